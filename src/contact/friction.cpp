@@ -15,21 +15,39 @@ Tangential Friction::traction_in(const std::vector<double>& tractions, const Con
 }
 
 Tangential Friction::held(const Constraint& c) const {
-  return forgets_ ? Tangential{} : traction_in(traction_->trial, c);
+  return forgets(c) ? Tangential{} : traction_in(traction_->trial, c);
 }
 
 Tangential Friction::shown(const Constraint& c) const {
-  return forgets_ ? traction_in(traction_->trial, c) : traction(c).value;
+  return forgets(c) ? traction_in(traction_->trial, c) : traction(c).value;
 }
 
-void Friction::forget_springs(std::size_t constraints) {
-  forgets_ = true;
-  for (StateRow* row : {traction_, slip_}) {
-    const std::size_t count = constraints * static_cast<std::size_t>(row->components);
-    row->committed.assign(count, 0.0);
-    row->trial.assign(count, 0.0);
+void Friction::change_surface(std::vector<int> place) {
+  if (!changed_) in_table_ = {traction_, slip_};
+  changed_ = true;
+  place_ = std::move(place);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const StateRow& all = *in_table_[i];
+    const std::size_t n = at(all.components);
+    own_[i] = std::make_unique<StateRow>(StateRow{all.name, all.support, all.components});
+    std::vector<double>& mine = own_[i]->committed;
+    mine.assign(n * place_.size(), 0.0);
+    for (std::size_t c = 0; c < place_.size(); ++c)
+      if (place_[c] >= 0) std::copy_n(&all.committed[n * at(place_[c])], n, &mine[n * c]);
+    own_[i]->trial = mine;
   }
+  traction_ = own_[0].get();
+  slip_ = own_[1].get();
   forget();
+}
+
+void Friction::tell_table() {
+  for (std::size_t i = 0; changed_ && i < 2; ++i) {
+    const std::size_t n = at(own_[i]->components);
+    for (std::size_t c = 0; c < place_.size(); ++c)
+      if (place_[c] >= 0) std::copy_n(&own_[i]->trial[n * c], n, &in_table_[i]->trial[n * at(place_[c])]);
+    own_[i]->committed = own_[i]->trial; // nobody else commits it
+  }
 }
 
 StepTraction Friction::step_traction(const Constraint& c) const {
@@ -67,7 +85,7 @@ Traction Friction::linear_traction(const Constraint& c) const {
 }
 
 Tangential Friction::traction_to_keep(const Constraint& c) const {
-  if (!acts() || forgets_) return {};
+  if (!acts() || forgets(c)) return {};
   return c.works_exactly() ? step_traction(c).end : traction(c).value;
 }
 
@@ -88,7 +106,7 @@ void Friction::add_heat(const Constraint& c, double& heat) const {
     heat += c.weight * step_traction(c).loss;
     return;
   }
-  if (forgets_) {
+  if (forgets(c)) {
     heat += c.weight * inner(traction(c).value, c.slip);
     return;
   }
@@ -164,7 +182,7 @@ bool Friction::follow(const Constraints& constraints, Vec u) {
 }
 
 void Friction::keep_tractions(std::vector<double>& tractions) {
-  if (acts() && !forgets_ && !suspended_) traction_->trial = std::move(tractions);
+  if (acts() && !suspended_) traction_->trial = std::move(tractions);
 }
 
 ConstraintFilter Friction::acting() const {
@@ -178,7 +196,6 @@ ConstraintFilter Friction::acting() const {
 }
 
 double Friction::advance(const Constraints& constraints, Vec u) {
-  if (forgets_) slip_->committed = slip_->trial; // for reports
   // What sticks from now on does so with the traction of this state.
   std::vector<double> slip(slip_->trial.size(), 0.0), tractions(traction_->trial.size(), 0.0);
   double heat = 0;
@@ -187,11 +204,12 @@ double Friction::advance(const Constraints& constraints, Vec u) {
   const auto visitor = [&](const Constraint& c) {
     add_heat(c, heat);
     const Traction t = traction(c);
-    const Tangential kept = forgets_ ? t.value : traction_to_keep(c);
+    const Tangential kept = forgets(c) ? t.value : traction_to_keep(c);
     std::copy_n(kept.begin(), m, &tractions[m * at(c.index)]);
     if (!c.active) return;
     double* mine = &slip[n * at(c.index)];
-    for (std::size_t a = 0; a < m; ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
+    for (std::size_t a = 0; a < m; ++a)
+      mine[a] = c.slip[a] + (forgets(c) ? 0 : slip_->committed[n * at(c.index) + a]);
     // What has closed just now had no friction yet.
     mine[m] = !c.slides || t.slides ? slides : sticks;
     if (slip_->committed[n * at(c.index) + m] == 0) ++closed_[at(c.index)];
@@ -201,6 +219,7 @@ double Friction::advance(const Constraints& constraints, Vec u) {
   constraints.share(slip, n);
   traction_->trial = std::move(tractions);
   slip_->trial = std::move(slip);
+  tell_table();
   return heat;
 }
 

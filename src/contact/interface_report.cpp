@@ -224,7 +224,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   const Totals total = totals(totals_->trial);
   ContactMeasures m;
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
-    m.force[k] = thick * (friction_.forgets() ? total.force[k] : sum.force[k]);
+    m.force[k] = thick * (friction_.changed() ? total.force[k] : sum.force[k]);
     m.impulse[k] = thick * total.impulse[k];
   }
   m.length = sum.length;

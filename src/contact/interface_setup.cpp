@@ -10,6 +10,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <map>
 
 /// Construction of a ContactInterface and the overlap at the start.
 namespace impact {
@@ -106,8 +107,24 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   constraints_->form().keep_way(way);
   update_search(u);
   if (!frictional()) return;
-  friction_.forget_springs(points);
+  friction_.change_surface(places_at_start(points));
   constraints_->form().anchor(u);
+}
+
+// Of the constraints of the secondary side, which are its facets' in their order, the numbers that they had
+// on the side of the start; -1: their facet came free.
+std::vector<int> ContactInterface::places_at_start(std::size_t constraints) const {
+  const FacetTable now = facets(settings_.secondary), then = mesh_->facets(settings_.secondary);
+  std::map<PetscInt, int> number;
+  for (int f = 0; f < then.count(); ++f) number[then.point[at(f)]] = f;
+  std::vector<int> place;
+  const int of_facet = now.count() > 0 ? static_cast<int>(constraints) / now.count() : 0;
+  for (const PetscInt facet : now.point) {
+    const auto found = number.find(facet);
+    for (int q = 0; q < of_facet; ++q)
+      place.push_back(found == number.end() ? -1 : of_facet * found->second + q);
+  }
+  return place;
 }
 
 void ContactInterface::declare_state(StateTable& state) {
@@ -121,16 +138,7 @@ void ContactInterface::declare_state(StateTable& state) {
   };
   const int dim = mesh_->dim();
   rows_.multiplier = add("multiplier", 1);
-  if (frictional()) {
-    const auto row = [&](std::size_t i, const std::string& what, int components) {
-      if (!settings_.changing) return add(what, components);
-      shown_[i] = std::make_unique<StateRow>(constraints_->form().constraint_row(what, components).first);
-      return shown_[i].get();
-    };
-    StateRow* traction = row(0, "traction", dim - 1);
-    friction_ = Friction(settings_.friction, *traction, *row(1, "slip", dim));
-    if (settings_.changing) friction_.forget_springs(constraints_->form().constraint_row("", 1).second);
-  }
+  if (frictional()) friction_ = Friction(settings_.friction, *add("traction", dim - 1), *add("slip", dim));
   StateRow* gap = nullptr;
   if (settings_.impact == ImpactUpdate::conserving && environment_.density > 0) {
     gap = add("gap", 1);
@@ -144,9 +152,13 @@ void ContactInterface::declare_state(StateTable& state) {
     *row = &state.add(StateRow{name + what, Support::vertex, dim}, at(dim * mesh_->node_count()));
   rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] =
       settings_.penalty;
-  const Vector start = rigid_displacement(settings_, dim, 0);
+  begin_at(0);
+}
+
+void ContactInterface::begin_at(double t) {
+  const Vector place = rigid_displacement(settings_, mesh_->dim(), t);
   for (std::vector<double>* half : {&totals_->committed, &totals_->trial})
-    std::copy(start.begin(), start.end(), totals(*half).obstacle);
+    std::copy(place.begin(), place.end(), totals(*half).obstacle);
 }
 
 ContactInterface::Totals ContactInterface::totals(std::vector<double>& half) const {

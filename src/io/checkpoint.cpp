@@ -226,11 +226,14 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state, const 
                                       "; restart with the physics of its run, and its -contact_<id>_method, "
                                       "_enforce and _impact where rows of contacts differ");
   for (const Entities& set : entities_of(state.mesh, state.table)) {
-    PetscLayout slabs = nullptr;
-    const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);
+    std::vector<StateRow*> rows; // none of what the facets of a new contact know
     for (const auto& row : state.table.rows())
       if (row->checkpointed && entities_name(*row) == set.name && lists(stored, row->name))
-        read_row(state, checkpoint.file, set, sf, slabs, *row);
+        rows.push_back(row.get());
+    if (rows.empty()) continue;
+    PetscLayout slabs = nullptr;
+    const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);
+    for (StateRow* row : rows) read_row(state, checkpoint.file, set, sf, slabs, *row);
     check(PetscLayoutDestroy(&slabs));
   }
 }

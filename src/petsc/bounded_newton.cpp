@@ -255,6 +255,47 @@ void judge(SNES snes, PetscReal norm, PetscReal whole) {
   if (!snes->reason && norm <= snes->ttol) snes->reason = SNES_CONVERGED_FNORM_RELATIVE;
 }
 
+/// A tangent that is bent up (theory.md, 8) leaves iterates that come closer by the same factor rho each
+/// time: the rest of their way, rho/(1 - rho) times the last step, is gone at once where that lowers the
+/// residual.
+class Extrapolation {
+public:
+  explicit Extrapolation(SNES snes)
+      : snes_(snes), from_(snes->work[0]), x_(snes->work[1]), f_(snes->work[2]), before_(snes->norm) {}
+  void step_from(Vec x) { check(VecCopy(x, from_)); }
+  /// After a step to x, with the residual f and its norm. Returns the norm at x in the end. Collective.
+  PetscReal go_on(Model& model, Vec x, Vec f, PetscReal norm);
+
+private:
+  SNES snes_;
+  Vec from_, x_, f_;
+  PetscReal before_, rate_ = 0; // norm before the step, and by what the one before changed it
+};
+
+PetscReal Extrapolation::go_on(Model& model, Vec x, Vec f, PetscReal norm) {
+  constexpr PetscReal slow = 0.6, alike = 0.125; // of 1 - rho
+  constexpr PetscReal longest = 0.01;            // of phi: the nearest solution is not passed over
+  const PetscReal rate = norm / std::exchange(before_, norm), last = std::exchange(rate_, rate);
+  if (!(rate > slow && rate < 1 && std::abs(rate - last) < alike * (1 - rate))) return norm;
+  rate_ = 0;
+  PetscReal step = 0;
+  check(VecCopy(x, x_));
+  check(VecCopy(f, f_));
+  check(VecAYPX(from_, -1, x));
+  check(VecNorm(from_, NORM_INFINITY, &step));
+  check(VecAXPY(x, std::min(rate / (1 - rate), longest / step), from_));
+  clip(snes_, x);
+  check(SNESComputeFunction(snes_, x, f));
+  if (!snes_->domainerror) {
+    const PetscReal reached = model.start(x, f);
+    if (reached < norm) return before_ = reached;
+  }
+  snes_->domainerror = PETSC_FALSE;
+  check(VecCopy(x_, x));
+  check(VecCopy(f_, f));
+  return model.start(x, f);
+}
+
 void solve(SNES snes) {
   Model& model = *static_cast<Model*>(snes->data);
   const Vec x = snes->vec_sol, f = snes->vec_func;
@@ -266,6 +307,7 @@ void solve(SNES snes) {
   check(VecNorm(f, NORM_2, &whole));
   judge(snes, model.start(x, f), whole);
   PetscReal forcing = 0;
+  Extrapolation rest(snes);
   while (!snes->reason && snes->iter < snes->max_its) {
     if (snes->ops->update) check(snes->ops->update(snes, snes->iter));
     check(SNESComputeJacobian(snes, x, snes->jacobian, snes->jacobian_pre));
@@ -274,10 +316,13 @@ void solve(SNES snes) {
       snes->reason = SNES_DIVERGED_LINEAR_SOLVE;
       return;
     }
+    rest.step_from(x);
     check(VecCopy(model.solution(), x));
     check(SNESComputeFunction(snes, x, f));
     ++snes->iter;
-    judge(snes, model.start(x, f), whole);
+    PetscReal norm = model.start(x, f);
+    if (!snes->domainerror) norm = rest.go_on(model, x, f, norm);
+    judge(snes, norm, whole);
     forcing = snes->norm > 10 * target ? 1e-3 : 0; // what is not quadratic asks for no exact minimum
   }
   if (!snes->reason) snes->reason = SNES_DIVERGED_MAX_IT;
@@ -286,6 +331,7 @@ void solve(SNES snes) {
 PetscErrorCode set_up(SNES snes) {
   return guarded([&] {
     check(SNESSetUpMatrices(snes));
+    check(SNESSetWorkVecs(snes, 3));
     static_cast<Model*>(snes->data)->set_up(snes);
   });
 }

@@ -12,9 +12,8 @@ namespace impact {
 
 namespace {
 
-// Contacts that are there no more let go (-restart_allow contacts), and conditions come and go (bcs), the
-// heat that passed them with them.
-// True if a contact of the run before is not in this one.
+// Contacts that are there no more let go (-restart_allow contacts), true if there are any; others begin, and
+// conditions come and go (bcs), the heat that passed them with them.
 bool allow_other_conditions(const Scenario& scenario, const StateTable& state, const std::string& rows,
                             OtherRows& others) {
   bool lets_go = false;
@@ -28,8 +27,13 @@ bool allow_other_conditions(const Scenario& scenario, const StateTable& state, c
     lets_go = lets_go || of_lost_contact;
     if (row.starts_with("bc_") || of_lost_contact) others.in_vain.push_back(row);
   }
+  std::vector<std::string> begins = {"bc_"};
+  for (const auto& contact : scenario.contacts)
+    if (("\n" + rows).find("\ncontact_" + contact.id + "_") == std::string::npos)
+      begins.push_back("contact_" + contact.id + "_");
   for (const auto& row : state.rows())
-    if (row->name.starts_with("bc_")) others.lacking.push_back(row->name);
+    if (std::ranges::any_of(begins, [&](const std::string& head) { return row->name.starts_with(head); }))
+      others.lacking.push_back(row->name);
   return lets_go;
 }
 
@@ -194,6 +198,9 @@ void RunStage::set_state(const Checkpoint* resume) {
     other_forces = other_scheme || (lets_go && inertia);
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
+    for (ContactInterface& contact : setup->contacts)
+      if (std::ranges::find(others.lacking, "contact_" + contact.id() + "_totals") != others.lacking.end())
+        contact.begin_at(time);
     enter_or_leave_path(*resume);
     if (other_scheme) set_state_of_other_scheme(scenario, *setup, time, type == "static");
     check(TSSetTime(ts, time));

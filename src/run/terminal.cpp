@@ -59,16 +59,15 @@ void report_locking(const Scenario& s, const Discretisation& d) {
                         : p.locking == Locking::mean && shape->volume_modes > 1 ? "volume linear in a cell"
                         : p.locking == Locking::mean                            ? "mean volume of a cell"
                                                                                 : "F-bar"));
-    // Cells that have a choice of cures lock at the user's will; of linear simplices it is said all the same.
-    if (!keeps_volume(p) || cured || (!simplex && !law.principal())) continue;
+    // Other cells than linear simplices lock at the user's will.
+    if (!keeps_volume(p) || cured || !simplex) continue;
     check(PetscPrintf(
         d.mesh.comm(),
         "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
         shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
-        !simplex          ? "-material_<id>_locking mean"
-        : law.principal() ? "cells of second order (-order 2), or another -material_<id>_split"
-                          : "-material_<id>_locking mean, or cells of second order (-order 2)"));
+        law.principal() ? "cells of second order (-order 2), or another -material_<id>_split"
+                        : "-material_<id>_locking mean, or cells of second order (-order 2)"));
   }
 }
 

@@ -313,9 +313,7 @@ bool keeps_volume(const MaterialParameters& law) {
 }
 
 Locking automatic_locking(const MaterialParameters& law, PlaneMode plane) {
-  // An elastic body under a split by principal stretches is cured where it is asked for.
-  const bool curable = law.model == Model::j2 || !PointLaw{law}.principal();
-  return plane != PlaneMode::stress && keeps_volume(law) && curable ? Locking::mean : Locking::none;
+  return plane != PlaneMode::stress && keeps_volume(law) ? Locking::mean : Locking::none;
 }
 
 } // namespace impact

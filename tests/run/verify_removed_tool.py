@@ -1,8 +1,9 @@
 # labels: run
 """A cylinder bends a cantilever that flows. Whether it is drawn back or taken away at a restart (-restart_allow contacts), the bar springs
-back to the same place, and what the release of its elastic energy did is the first law's only error."""
+back to the same place, and what the release of its elastic energy did is the first law's only error. A tool that comes at a restart
+goes on with what another condition did."""
 import numpy
-from _runs import check, finish, mesh, require, run
+from _runs import check, finish, mesh, read_history, require, run
 
 with open("bar.geo", "w") as file:
     file.write("""Point(1) = {0, 0, 0}; Point(2) = {100, 0, 0}; Point(3) = {100, 5, 0}; Point(4) = {0, 5, 0};
@@ -54,4 +55,23 @@ let_go = run("let_go", {**alone, **free, "bcs": "left,cold,hot", "bc_hot_on": "u
 check("a support let go, a flux added: heat of the cold end", let_go["heat_cold"][0], warm["heat_cold"][-1], 0.1)
 check("heat supplied, ends and flux", let_go["heat_supplied"][-1], let_go["heat_cold"][-1] + let_go["heat_hot"][-1], 1e-12)
 check("heat of the flux in its step", let_go["heat_hot"][-1], 10 * 100 * 0.1, 1e-2)
+
+# A block that flows, pressed by a condition to the middle, and from there on by a plane in its place.
+FLOWS = {
+    "mesh": mesh("block.geo"), "mesh_set_n": 4, "units": "mm_t_s_MPa", "materials": "solid", "material_solid_model": "j2",
+    "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_sigma_y": 10, "material_solid_hardening": "linear",
+    "material_solid_linear_h": 50, "bcs": "floor,side", "bc_floor_on": "bottom", "bc_floor_uy": 0, "bc_side_on": "left", "bc_side_ux": 0,
+    "ts_type": "static", "ts_dt": 0.05, "ts_max_time": 1}
+PLANE = {**PRESS, "contact_tool_rigid_uy": "(-0.05*t)"}
+whole = run("plane", {**FLOWS, **PLANE})
+for method in ("mortar", "gpts"):
+    run(f"comes_{method}", {**FLOWS, "bcs": "floor,side,push", "bc_push_on": "top", "bc_push_uy": "-0.05*t", "ts_max_time": 0.5})
+    run(f"comes_{method}", {**FLOWS, **PLANE, "contact_tool_method": method, "restart": "auto", "outputs": "hist",
+                            "restart_allow": "contacts,contact_tool,bcs,bc_push", "output_hist_type": "csv", "output_hist_file": "on.csv"})
+    comes = read_history(f"comes_{method}/on.csv")
+    for column in ("energy_elastic", "energy_plastic", "dissipated_plastic", "contact_tool_force_y"):
+        check(f"{method}: {column} at the end, of a plane that comes in the middle", comes[column][-1], whole[column][-1], 1e-6)
+    check(f"{method}: work from there on", comes["work_external"][-1] - comes["work_external"][-6],
+          whole["work_external"][-1] - whole["work_external"][-6], 1e-6)
+    check(f"{method}: first law", abs(comes["balance_first_law"]).max(), 0, 0.02, relative=False)
 finish()

@@ -4,8 +4,8 @@
 /// Coulomb friction of one contact, |t| <= mu p, with the trial traction q = t_old + eps s of the step
 /// (82') (theory.md, contact; coulomb.hpp). Its spring is that of the enforcement. Its rows of the state
 /// table: the traction that a step starts from, and the slip since a constraint closed with its state.
-/// On surfaces that change it keeps no spring, t_old = 0, and its rows, outside of the table, only tell what
-/// the last step did.
+/// What comes free as a surface changes has no place in these rows: it keeps no spring, t_old = 0, and tells
+/// what the last step did alone.
 namespace impact {
 
 /// More functions and members than usual: force, tangent, the enforcement, heat and output each ask for their
@@ -27,9 +27,10 @@ public:
   }
   /// Leaves it out for a while.
   void suspend(bool suspended) { suspended_ = suspended; }
-  /// On a surface that changes, which has this many constraints from now on.
-  void forget_springs(std::size_t constraints);
-  bool forgets() const { return forgets_; }
+  /// The surface has changed: of its constraints from now on the numbers in the rows of the table, -1 for
+  /// what came free.
+  void change_surface(std::vector<int> place);
+  bool changed() const { return changed_; }
   /// The traction that a report shows: of the present state, or of the last step.
   Tangential shown(const Constraint& c) const;
   /// Whether it acts on this constraint now.
@@ -86,11 +87,19 @@ private:
   Tangential traction_in(const std::vector<double>& tractions, const Constraint& c) const;
   std::size_t tangents() const { return static_cast<std::size_t>(traction_->components); }
 
+  bool forgets(const Constraint& c) const {
+    return changed_ && place_[static_cast<std::size_t>(c.index)] < 0;
+  }
+  void tell_table();
+
   double coefficient_ = 0;
   const EnforcementMethod* law_ = nullptr;
-  StateRow *traction_ = nullptr, *slip_ = nullptr;
+  StateRow *traction_ = nullptr, *slip_ = nullptr; // of the constraints that are there
+  std::array<StateRow*, 2> in_table_{};            // both where the surface has changed,
+  std::array<std::unique_ptr<StateRow>, 2> own_;   // and those beside the table
+  std::vector<int> place_;
   std::vector<double> none_;
-  bool forgets_ = false, iterated_ = true, suspended_ = false, reverses_ = false;
+  bool changed_ = false, iterated_ = true, suspended_ = false, reverses_ = false;
   // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;

@@ -170,8 +170,11 @@ public:
 
   /// Cells have left their bodies ([cell point minus cell_start] 1): both sides are made anew of what is
   /// there and of the facets inside their bodies that came free, and searched at u. For penalties at Gauss
-  /// points without friction, which keep nothing for a constraint. Collective.
+  /// points, which keep nothing for a constraint; friction keeps the springs of facets that were there at the
+  /// start. Collective.
   void expose(const std::vector<char>& eroded, Vec u);
+  /// One that the run before did not have: its obstacle moves from where it is at t.
+  void begin_at(double t);
   /// Facets of a side, a boundary, as they are now.
   FacetTable facets(const std::string& side) const;
 
@@ -301,6 +304,7 @@ private:
   double spring_energy(double gap, const Tangential& traction) const;
   void add_energy(const Constraint& c, double& energy) const;
   std::unique_ptr<ContactForm> curved_form(Vec at_rest) const;
+  std::vector<int> places_at_start(std::size_t constraints) const;
   double thickness() const; // what is reported is multiplied by it
 
   const Mesh* mesh_;
@@ -312,7 +316,6 @@ private:
   Vector outward_{}; // of a round rigid body (pole_of)
   std::optional<Constraints> constraints_;
   Friction friction_;
-  std::array<std::unique_ptr<StateRow>, 2> shown_; // its rows where surfaces change
   std::unique_ptr<EnforcementMethod> method_, fallback_;
   RigidNodes rigid_nodes_;
   EnforcementRows rows_{};

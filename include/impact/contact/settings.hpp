@@ -64,7 +64,7 @@ struct ContactSettings {
   bool inertia = false;           ///< bodies have some
   bool exposed = false;           ///< cells have left, and facets inside the bodies take part
   bool iterated = true;           ///< what points face is held while Newton's method works
-  bool changing = false;          ///< cells may leave: friction keeps no spring from step to step
+  bool changing = false;          ///< cells may leave: what comes free keeps no spring of friction
   bool at_nodes = false;          ///< points stand at the nodes of facets, with the areas of their shapes
   InitialOverlap initial = InitialOverlap::error;
   double initial_tol = automatic; ///< automatic: 1e-3 of the facet
