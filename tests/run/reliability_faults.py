@@ -85,7 +85,7 @@ split = run("split", {**BLOCK, "ts_dt": 0.05, "motion_ksp_type": "minres", "moti
 require("a field split that fails: status 5", "DIVERGED_LINEAR_SOLVE" in split.log and len(cut_lines(split.log)) > 1)
 
 uzawa = run("uzawa", {**with_mesh(BOTH), "checkpoint_every": 0, "uzawa_snes_max_it": 6, "contact_face_method": "gpts", "contact_face_enforce": "auglag",
-                      "contact_face_pressure_tol": 1e-2, "output_vis_every": 1000}, code=None, refused=None)
+                      "contact_face_pressure_tol": 1e-2, "output_vis_every": 1000, "ts_max_steps": 60}, code=None, refused=None)
 require(f"augmentation fails: {(cut_lines(uzawa.log) or [''])[0]}", "uzawa: DIVERGED_MAX_IT" in uzawa.log)
 require(f"augmentation fails: the step is cut and the run ends (status {uzawa.code})",
         uzawa.code == 0 and uzawa["tries"].max() > 1)

@@ -51,7 +51,8 @@ for name, more, shape, cause in (
         ("patched_triangles", {**J2, "mesh_set_simplex": 1}, "", ""),
         ("patched_tetrahedra", {**J2, "mesh_set_simplex": 1, "mesh_set_dim": 3}, "", ""),
         ("patched_soft", {**SOFT, "mesh_set_simplex": 1}, "", ""),
-        ("soft_split", {**SOFT, **SPECTRAL}, "quadrilaterals", "nu from 0.45"),
+        ("split_triangles", {**SOFT, **SPECTRAL, "mesh_set_simplex": 1}, "linear triangles", "nu from 0.45"),
+        ("soft_split", {**SOFT, **SPECTRAL}, "", ""),
         ("quads", J2, "", ""), ("soft_quads", SOFT, "", ""), ("stiff_triangles", {"mesh_set_simplex": 1}, "", ""),
         ("sheet", {**J2, "mesh_set_simplex": 1, "plane": "stress"}, "", "")):
     log = runs.run(name, {**SQUARE, **more}).log
@@ -62,5 +63,5 @@ for name, more, shape, cause in (
     else:
         runs.require(f"{name}: no warning", not words)
     runs.require(f"{name}: the cure is named where there is one",
-                 ("material solid: locking cure of its " in log) == (name in ("quads", "soft_quads") or "patched" in name))
+                 ("material solid: locking cure of its " in log) == (name in ("quads", "soft_quads", "soft_split") or "patched" in name))
 runs.finish()
