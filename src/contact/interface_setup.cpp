@@ -152,13 +152,26 @@ void ContactInterface::declare_state(StateTable& state) {
     *row = &state.add(StateRow{name + what, Support::vertex, dim}, at(dim * mesh_->node_count()));
   rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] =
       settings_.penalty;
-  begin_at(0);
+  put_obstacle(0);
 }
 
-void ContactInterface::begin_at(double t) {
+void ContactInterface::put_obstacle(double t) {
   const Vector place = rigid_displacement(settings_, mesh_->dim(), t);
   for (std::vector<double>* half : {&totals_->committed, &totals_->trial})
     std::copy(place.begin(), place.end(), totals(*half).obstacle);
+}
+
+void ContactInterface::begin_at(double t, Vec u) {
+  put_obstacle(t);
+  const double overlap = -reach(u).gap;
+  if (overlap <= settings_.initial_tol || settings_.initial == InitialOverlap::allow) return;
+  throw UserError(
+      ExitCode::data,
+      "contact " + settings_.id + ": `" + settings_.secondary + "` overlaps `" + settings_.primary + "` by " +
+          contact_number(overlap) +
+          " where it begins; an obstacle that is led begins where its data say at the time of the "
+          "restart; part the bodies, or use -contact_" +
+          settings_.id + "_initial allow");
 }
 
 ContactInterface::Totals ContactInterface::totals(std::vector<double>& half) const {

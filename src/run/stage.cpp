@@ -185,10 +185,10 @@ void RunStage::enter_or_leave_path(const Checkpoint& from) {
 
 void RunStage::set_state(const Checkpoint* resume) {
   double time = 0;
+  OtherRows others{{load_parameter_row}, {load_parameter_row}};
   if (resume != nullptr) {
     const std::string type = time_scheme_of(*resume);
     other_scheme = scenario.has_motion() && type != scenario.time.type;
-    OtherRows others{{load_parameter_row}, {load_parameter_row}};
     if (other_scheme) { // what explicit steps alone keep, and statics do without
       others.lacking.insert(others.lacking.end(),
                             {"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"});
@@ -198,9 +198,6 @@ void RunStage::set_state(const Checkpoint* resume) {
     other_forces = other_scheme || (lets_go && inertia);
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
-    for (ContactInterface& contact : setup->contacts)
-      if (std::ranges::find(others.lacking, "contact_" + contact.id() + "_totals") != others.lacking.end())
-        contact.begin_at(time);
     enter_or_leave_path(*resume);
     if (other_scheme) set_state_of_other_scheme(scenario, *setup, time, type == "static");
     check(TSSetTime(ts, time));
@@ -229,6 +226,9 @@ void RunStage::set_state(const Checkpoint* resume) {
   }
   coupling.motion_solver().refresh_matrix();
   coupling.begin_between_steps(time, u, v);
+  for (ContactInterface& contact : setup->contacts)
+    if (std::ranges::find(others.lacking, "contact_" + contact.id() + "_totals") != others.lacking.end())
+      contact.begin_at(time, u);
 }
 
 void RunStage::start() {

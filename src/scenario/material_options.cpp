@@ -86,10 +86,10 @@ void add_elasticity(MaterialRows& rows) {
   row.choice(
          "locking", &Material::locking,
          "cure of volumetric locking: mean, the volume of a cell, of linear triangles and tetrahedra that of "
-         "patches of 2 and of 8 of them, of quadrilaterals and hexahedra of second order a linear function "
-         "in "
-         "the cell; fbar, that of the centroid, in other cells; auto: mean for j2 and for nu from 0.45 on, "
-         "else none, as where all cells are triangles or tetrahedra of second order and K is at most 100 G",
+         "patches of 2 and of 8 (none under splits by principal stretches), of quadrilaterals and hexahedra "
+         "of second order a linear function in it; fbar, that of the centroid, in other cells; auto: mean "
+         "for j2 and for nu from 0.45 on, else none, as where all cells are simplices of second order and "
+         "K is at most 100 G",
          "auto", std::nullopt, "mean", Locking::mean, "fbar", Locking::fbar, "none", Locking::none)
       .refused([](const Material& m,
                   const Scenario& s) { return s.plane == PlaneMode::stress && m.locking != Locking::none; },

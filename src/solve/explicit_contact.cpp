@@ -6,6 +6,19 @@
 
 namespace impact {
 
+namespace {
+
+// Part of `range` from which on facets are lost: half of one; where cells have left a sixteenth of one or
+// what bodies move in a few steps (PointForm::depth).
+double unseen(const ContactInterface& contact) {
+  constexpr double half = 0.6;
+  return contact.settings().exposed
+             ? std::max(half / 8, 4 * contact.search().motion() / contact.search().range())
+             : half;
+}
+
+} // namespace
+
 ExplicitContact::ExplicitContact(MotionProblem& motion)
     : motion_(motion), impulses_(motion.discretisation().displacement),
       on_bodies_(motion.rigid().bodies().size()) {
@@ -38,8 +51,8 @@ void ExplicitContact::add_forces(Vec u, bool by_impulse, Vec force) {
       check(VecSet(known->residual, 0));
       StiffnessBound bound{stiffness_, on_bodies_};
       known->part = contact.add_residual(u, 1, known->residual, by_impulse ? nullptr : &bound);
-      if (!contact.settings().rigid() && !contact.settings().exposed)
-        deepest_ = std::max(deepest_, bound.deepest / contact.search().range());
+      if (!contact.settings().rigid())
+        deepest_ = std::max(deepest_, bound.deepest / contact.search().range() / unseen(contact));
       check(VecAXPY(force, -1, known->residual));
     }
     ++known;
@@ -55,14 +68,13 @@ double ExplicitContact::frequency_at_work() {
   for (PetscInt i = 0; i < count; ++i) most[0] = std::max(most[0], squares[i]);
   const MPI_Comm comm = motion_.discretisation().mesh.comm();
   max_over_ranks(comm, most);
-  constexpr double unseen = 0.6; // part of `range` from which on facets are lost: half of one
-  if (most[1] > 0.9 * unseen && !told_) {
+  if (most[1] > 0.9 && !told_) {
     told_ = true;
-    check(PetscPrintf(
-        comm,
-        "impact: WARNING: a contact is as deep as surfaces are seen in each other, half of a facet; what "
-        "goes deeper passes through: take a larger -contact_<id>_penalty, shorter steps (-ts_dt_cfl) "
-        "or -contact_<id>_enforce impulse\n"));
+    check(PetscPrintf(comm, "impact: WARNING: a contact is as deep as surfaces are seen in each other, half "
+                            "of a facet, a sixteenth "
+                            "of one where cells have left; what goes deeper passes through: take a larger "
+                            "-contact_<id>_penalty, shorter steps (-ts_dt_cfl) "
+                            "or -contact_<id>_enforce impulse\n"));
   }
   return most[0];
 }

@@ -64,10 +64,14 @@ FLOWS = {
     "ts_type": "static", "ts_dt": 0.05, "ts_max_time": 1}
 PLANE = {**PRESS, "contact_tool_rigid_uy": "(-0.05*t)"}
 whole = run("plane", {**FLOWS, **PLANE})
+MORE = {"restart": "auto", "outputs": "hist", "restart_allow": "contacts,contact_tool,bcs,bc_push", "output_hist_type": "csv",
+        "output_hist_file": "on.csv"}
 for method in ("mortar", "gpts"):
     run(f"comes_{method}", {**FLOWS, "bcs": "floor,side,push", "bc_push_on": "top", "bc_push_uy": "-0.05*t", "ts_max_time": 0.5})
-    run(f"comes_{method}", {**FLOWS, **PLANE, "contact_tool_method": method, "restart": "auto", "outputs": "hist",
-                            "restart_allow": "contacts,contact_tool,bcs,bc_push", "output_hist_type": "csv", "output_hist_file": "on.csv"})
+    refused = run(f"comes_{method}", {**FLOWS, **PLANE, "contact_tool_rigid_uy": "(-0.06*t)", "contact_tool_method": method, **MORE}, code=3)
+    require(f"{method}: a plane that would begin in the block is refused: {refused.log.splitlines()[-1]}",
+            "overlaps `plane` by 0.005 where it begins" in refused.log)
+    run(f"comes_{method}", {**FLOWS, **PLANE, "contact_tool_method": method, **MORE})
     comes = read_history(f"comes_{method}/on.csv")
     for column in ("energy_elastic", "energy_plastic", "dissipated_plastic", "contact_tool_force_y"):
         check(f"{method}: {column} at the end, of a plane that comes in the middle", comes[column][-1], whole[column][-1], 1e-6)

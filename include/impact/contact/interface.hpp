@@ -173,8 +173,9 @@ public:
   /// points, which keep nothing for a constraint; friction keeps the springs of facets that were there at the
   /// start. Collective.
   void expose(const std::vector<char>& eroded, Vec u);
-  /// One that the run before did not have: its obstacle moves from where it is at t.
-  void begin_at(double t);
+  /// One that the run before did not have begins at t: its obstacle moves from where it is then. Throws
+  /// UserError(data) where its sides overlap at u, but for -contact_<id>_initial allow. Collective.
+  void begin_at(double t, Vec u);
   /// Facets of a side, a boundary, as they are now.
   FacetTable facets(const std::string& side) const;
 
@@ -305,6 +306,7 @@ private:
   void add_energy(const Constraint& c, double& energy) const;
   std::unique_ptr<ContactForm> curved_form(Vec at_rest) const;
   std::vector<int> places_at_start(std::size_t constraints) const;
+  void put_obstacle(double t);
   double thickness() const; // what is reported is multiplied by it
 
   const Mesh* mesh_;

@@ -80,7 +80,7 @@ private:
   double frequency_ = -1;            // negative: not known yet
   Handle<Vec> stiffness_;            // of penalties at work
   std::vector<double> on_bodies_;
-  double deepest_ = 0; // of the last forces, in depths at which facets are seen
+  double deepest_ = 0; // of the last forces, in depths at which facets are lost
   bool told_ = false;
 };
 
