@@ -159,13 +159,14 @@ void Ledger::book_points(const StepRecord& step, double work_unilateral) {
 
 void Ledger::book_damage(const StepRecord& step) {
   const double w = motion_.discretisation().thickness;
-  const DamageLosses lost = find_damage_losses(motion_.discretisation(), rows_, step);
-  sum(least) = std::min(sum(least), lost.least);
-  for (std::size_t m = 0; m < lost.by_damage.size(); ++m) {
-    sum(damage) += w * lost.by_damage[m];
-    sum(plastic_dissipation) += w * lost.by_exchange[m];
-    lost_in(m, damage_loss) += w * lost.by_damage[m];
-    lost_in(m, plastic_loss) += w * lost.by_exchange[m];
+  const std::vector<double> lost = find_damage_losses(motion_.discretisation(), rows_, step);
+  sum(least) = std::min(sum(least), lost.back());
+  for (std::size_t m = 0, materials = lost.size() / 2; m < materials; ++m) {
+    const double by_damage = w * lost[m], by_exchange = w * lost[materials + m];
+    sum(damage) += by_damage;
+    sum(plastic_dissipation) += by_exchange;
+    lost_in(m, damage_loss) += by_damage;
+    lost_in(m, plastic_loss) += by_exchange;
   }
   const double work = w * step.prescribed_damage_work;
   sum(damage_work) += work;

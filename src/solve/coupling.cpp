@@ -147,7 +147,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
   limits_.begin(attempt.dt);
   if (fields_.damage) {
     pass_.phi = state.row("phi").committed;
-    phi_passes_.begin(state.row("phi"));
+    phi_passes_.begin();
   }
   if (fields_.heat) {
     fields_.heat->begin(attempt.t_n, attempt.t);

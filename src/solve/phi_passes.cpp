@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
@@ -16,9 +17,9 @@ constexpr double first_reach = 0.1; // of phi, by the first leap
 
 } // namespace
 
-void PhiPasses::begin(const StateRow& phi) {
+void PhiPasses::begin() {
   largest_ = next_ = 0;
-  record_ = owned_sum(phi.committed);
+  record_ = -1; // the sum at the start of the step is not known yet
   gains_ = 0;
   runs_ = false;
   leap_ = {.change = {}, .reach = first_reach};
@@ -38,7 +39,10 @@ PhiPasses::Change PhiPasses::note(const std::vector<double>& start, const StateR
   const PetscReal before = std::exchange(largest_, change_and_growth[0]);
   next_ = before > 0 ? largest_ * std::min<PetscReal>(1, largest_ / before) : 0;
   // Each gain is one of a tolerance at least, and phi at most 1: their number has a limit.
-  const double sum = owned_sum(phi.trial);
+  std::array<double, 2> sums = {owned_sum(phi.trial), owned_sum(phi.committed)};
+  sum_over_ranks(mesh_.comm(), sums);
+  const double sum = sums[0];
+  record_ = std::max(record_, sums[1]);
   const bool gained = sum > record_ + settings_.atol;
   record_ = std::max(record_, sum);
   gains_ = gained ? gains_ + 1 : 0;
@@ -50,7 +54,7 @@ double PhiPasses::owned_sum(const std::vector<double>& a) const {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (mesh_.owned(static_cast<int>(i))) sum += a[i];
-  return sum_over_ranks(mesh_.comm(), sum);
+  return sum;
 }
 
 double PhiPasses::owned_dot(const std::vector<double>& a, const std::vector<double>& b) const {

@@ -33,13 +33,9 @@ struct Energies {
 /// Collective.
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial);
 
-/// Lost in a step by the rate of damage and by the exchange of damage and flow.
-struct DamageLosses {
-  std::vector<double> by_damage, by_exchange; ///< [material]
-  double least = 0;                           ///< smallest at a point, per volume; at most 0
-};
-/// Needs phi. Collective.
-DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step);
+/// Lost in a step by the rate of damage, [material], and by the exchange of damage and flow, [material]; and
+/// the smallest at a point, per volume, at most 0. Needs phi. Collective.
+std::vector<double> find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step);
 
 /// The unilateral stress stores this in a step, at the damage `phi` that its force saw, [node]. `drive_n`:
 /// the driving energies of t_n. Collective.

@@ -21,8 +21,8 @@ public:
   /// Both must outlive the object.
   PhiPasses(const Mesh& mesh, const CouplingScenario& settings) : mesh_(mesh), settings_(settings) {}
 
-  /// Forgets the passes of the attempt before. Collective.
-  void begin(const StateRow& phi);
+  /// Forgets the passes of the attempt before.
+  void begin();
   /// Takes in what the damage solve of a pass made of `start`, the phi that its motion solve saw. Local
   /// arrays [node] with ghosts. Collective.
   Change note(const std::vector<double>& start, const StateRow& phi);
@@ -39,7 +39,7 @@ public:
   std::string text(PetscInt passes, const StateTable& state) const;
 
 private:
-  double owned_sum(const std::vector<double>& a) const;
+  double owned_sum(const std::vector<double>& a) const; // of this rank
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   double next_factor();
   double leap(double cosine);
