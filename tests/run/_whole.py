@@ -1,7 +1,10 @@
 """Flow, heat, damage and inertia together, in the plane and in space: from a checkpoint to the bit, on other numbers of ranks to
 rounding."""
+import filecmp
+
+import numpy
 from _histories import difference, fields_difference
-from _runs import check, check_between, mesh, run
+from _runs import check, check_between, mesh, require, run
 
 WHOLE = {"mesh": mesh("block.geo"), "mesh_set_simplex": 1, "materials": "solid", "units": "mm_t_s_MPa",
          "material_solid_model": "j2", "material_solid_E": "70 GPa", "material_solid_nu": 0.3,
@@ -15,6 +18,24 @@ WHOLE = {"mesh": mesh("block.geo"), "mesh_set_simplex": 1, "materials": "solid",
 def compare(claim, one, other, tolerance=1e-8):
     worst, where = difference(one.history, other.history)
     check(f"{claim}, largest difference, in {where}", worst, 0, tolerance, relative=False)
+
+
+def check_goes_on(claim, options, whole, cut, tolerance, rounding=()):
+    """A run from its step `cut` on, with every step refused once and repeated, and on two ranks is `whole`, which has the options.
+    Returns that on two ranks, of which the columns `rounding` are not compared."""
+    halves = f"{whole.dir}_halves"
+    run(halves, {**options, "ts_max_steps": cut})
+    run(halves, {**options, "restart": "auto"})
+    require(f"{claim}restart in the middle is bitwise",
+            filecmp.cmp(f"{whole.dir}/history.csv", f"{halves}/history.csv", shallow=False))
+    restep = run(f"{whole.dir}_restep", {**options, "test_restep": 1}, refused=None)
+    worst, where = max((abs(restep[c] - whole[c]).max(), c) for c in whole.history if c != "tries" and numpy.isfinite(whole[c]).all())
+    check(f"{claim}every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
+    two = run(f"{whole.dir}_ranks", options, ranks=2)
+    histories = ({c: values for c, values in r.history.items() if c not in rounding} for r in (whole, two))
+    worst, where = difference(*histories)
+    check(f"{claim}two ranks, in {where}", worst, 0, tolerance, relative=False)
+    return two
 
 
 def check_whole(cells, numbers_of_ranks, kind="", **options):

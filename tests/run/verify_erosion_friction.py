@@ -2,11 +2,9 @@
 # timeout: 120
 """Friction in runs in which cells may leave: a pad that sticks stays where it is, by explicit and implicit steps, whether cells leave
 elsewhere or none does, and the sheet has the energy of its springs; restart among leaving cells, ranks, repeated steps."""
-import filecmp
-
 import numpy
-from _histories import difference
 from _runs import check, check_between, finish, require, run
+from _whole import check_goes_on
 
 GEO = """// A pad on a base, whose meshes do not match, and a strip beside them.
 left[] = {0, 0.5, 4}; right[] = {2, 1.5, 5}; low[] = {0, 1, 0}; high[] = {1, 1.5, 0.2}; nx[] = {8, 5, 8}; ny[] = {4, 2, 1};
@@ -50,19 +48,9 @@ for scheme, steps in SCHEMES.items():
               1e-6, relative=False)
     last = r["eroded_cells"]
     require(f"{scheme}: cells left as it stuck", last[before] < last[-1] and last[-1] > 2)
-    middle = int(r["step"][(before + after) // 2])
-    chain = {**PAD, **steps, **more}
-    run(f"halves_{scheme}", {**chain, "ts_max_steps": middle})
-    run(f"halves_{scheme}", {**chain, "restart": "auto"})
-    require(f"{scheme}: restart among them is bitwise", filecmp.cmp(f"{name[:4]}_{scheme}/history.csv",
-                                                                    f"halves_{scheme}/history.csv", shallow=False))
-    restep = run(f"restep_{scheme}", {**chain, "test_restep": 1}, refused=None)
-    worst, where = max((abs(restep[c] - r[c]).max(), c) for c in r.history if c != "tries" and numpy.isfinite(r[c]).all())
-    check(f"{scheme}: every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
-    two = run(f"ranks_{scheme}", chain, ranks=2)
-    for history in (r.history, two.history):  # what rubs nowhere is rounding
-        for column in ("dissipated_friction", "contact_c_dissipated"):
-            check(f"{scheme}: {column}", abs(history.pop(column)).max() / (SHEAR * moved), 0, 1e-9, relative=False)
-    worst, where = difference(r.history, two.history)
-    check(f"{scheme}: two ranks, in {where}", worst, 0, 1e-8, relative=False)
+    rubs = ("dissipated_friction", "contact_c_dissipated")
+    two = check_goes_on(f"{scheme}: ", {**PAD, **steps, **more}, r, int(r["step"][(before + after) // 2]), 1e-8, rounding=rubs)
+    for column in rubs:  # what rubs nowhere is rounding
+        for one in (r, two):
+            check(f"{scheme}: {column}", abs(one[column]).max() / (SHEAR * moved), 0, 1e-9, relative=False)
 finish()

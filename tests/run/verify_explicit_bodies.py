@@ -2,11 +2,9 @@
 # timeout: 120
 """Rigid bodies and obstacles with mass by central differences: a box that tumbles against Euler's equations, free flight,
 impacts beside Newmark's method, prescribed motion, a light body, momenta, energies, restart, ranks, repeated steps."""
-import filecmp
-
 import numpy
-from _histories import difference
 from _runs import check, check_between, finish, mesh, require, run
+from _whole import check_goes_on
 
 RHO = 1000.0
 EXPLICIT = {"ts_type": "central_difference"}
@@ -126,14 +124,7 @@ print("restart, ranks, repeated steps")
 CHAIN = {**BLOCKS, **EXPLICIT, "contact_face_friction": 0.3, "ts_max_time": 0.08, "checkpoint_every": 20, "contact_face_penalty": "auto"}
 whole = run("whole", CHAIN)
 require("it touches and turns", largest(whole["contact_face_force_y"]) > 0 and largest(whole["rigid_upper_rz"]) > 1e-4)
-run("halves", {**CHAIN, "ts_max_steps": int(whole["step"][-1]) // 2})
-run("halves", {**CHAIN, "restart": "auto"})
-require("restart in the middle is bitwise", filecmp.cmp("whole/history.csv", "halves/history.csv", shallow=False))
-restep = run("restep", {**CHAIN, "test_restep": 1}, refused=None)
-worst, where = max((largest(restep[c] - whole[c]), c) for c in whole.history if c != "tries" and numpy.isfinite(whole[c]).all())
-check(f"every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
-worst, where = difference(whole.history, run("ranks", CHAIN, ranks=2).history)
-check(f"two ranks, in {where}", worst, 0, 1e-8, relative=False)
+check_goes_on("", CHAIN, whole, int(whole["step"][-1]) // 2, 1e-8)
 balanced("friction", whole)
 
 print("prescribed motion")

@@ -4,11 +4,9 @@
 """Impulses of explicit steps beside rigid bodies with mass: the plastic impact of two rigid blocks and the friction in it against
 closed forms, a mass that hits a rod (Saint-Venant and Boussinesq), a ball that spins in space, a body that is driven beside an
 obstacle that moves as told, a square that tumbles; momenta, energies, restart, ranks."""
-import filecmp
-
 import numpy
-from _histories import difference
 from _runs import check, check_between, finish, mesh, require, run
+from _whole import check_goes_on
 
 RHO = 1000.0
 STEPS = {"ts_type": "central_difference", "contacts": "face", "contact_face_enforce": "impulse", "ics": "flight"}
@@ -106,12 +104,5 @@ kept("square", whole, "upper", "lower")
 check("moment of momentum, change", numpy.ptp(whole["spin_upper_z"] + whole["spin_lower_z"]) / largest(whole["spin_upper_z"]), 0,
       1e-12, relative=False)
 require("it turned, and back", whole["rigid_upper_rz"].max() > 1.5 and whole["rigid_upper_wz"].min() < -3)
-run("halves", {**TUMBLE, "ts_max_steps": int(whole["step"][-1]) * 2 // 3})
-run("halves", {**TUMBLE, "restart": "auto"})
-require("restart in the middle is bitwise", filecmp.cmp("tumble/history.csv", "halves/history.csv", shallow=False))
-restep = run("restep", {**TUMBLE, "test_restep": 1}, refused=None)
-worst, where = max((largest(restep[c] - whole[c]), c) for c in whole.history if c != "tries" and numpy.isfinite(whole[c]).all())
-check(f"every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
-worst, where = difference(whole.history, run("ranks", TUMBLE, ranks=2).history)
-check(f"two ranks, in {where}", worst, 0, 1e-6, relative=False)
+check_goes_on("", TUMBLE, whole, int(whole["step"][-1]) * 2 // 3, 1e-6)
 finish()
