@@ -22,32 +22,10 @@ Tangential Friction::shown(const Constraint& c) const {
   return forgets(c) ? traction_in(traction_->trial, c) : traction(c).value;
 }
 
-void Friction::change_surface(std::vector<int> place) {
-  if (!changed_) in_table_ = {traction_, slip_};
-  changed_ = true;
-  place_ = std::move(place);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const StateRow& all = *in_table_[i];
-    const std::size_t n = at(all.components);
-    own_[i] = std::make_unique<StateRow>(StateRow{all.name, all.support, all.components});
-    std::vector<double>& mine = own_[i]->committed;
-    mine.assign(n * place_.size(), 0.0);
-    for (std::size_t c = 0; c < place_.size(); ++c)
-      if (place_[c] >= 0) std::copy_n(&all.committed[n * at(place_[c])], n, &mine[n * c]);
-    own_[i]->trial = mine;
-  }
-  traction_ = own_[0].get();
-  slip_ = own_[1].get();
+void Friction::change_surface(const std::vector<int>& place) {
+  traction_.change_surface(place);
+  slip_.change_surface(place);
   forget();
-}
-
-void Friction::tell_table() {
-  for (std::size_t i = 0; changed_ && i < 2; ++i) {
-    const std::size_t n = at(own_[i]->components);
-    for (std::size_t c = 0; c < place_.size(); ++c)
-      if (place_[c] >= 0) std::copy_n(&own_[i]->trial[n * c], n, &in_table_[i]->trial[n * at(place_[c])]);
-    own_[i]->committed = own_[i]->trial; // nobody else commits it
-  }
 }
 
 StepTraction Friction::step_traction(const Constraint& c) const {
@@ -219,7 +197,8 @@ double Friction::advance(const Constraints& constraints, Vec u) {
   constraints.share(slip, n);
   traction_->trial = std::move(tractions);
   slip_->trial = std::move(slip);
-  tell_table();
+  traction_.tell_table();
+  slip_.tell_table();
   return heat;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/contact/constraints.hpp>
+#include <impact/contact/surface_row.hpp>
 
 /// Coulomb friction of one contact, |t| <= mu p, with the trial traction q = t_old + eps s of the step
 /// (82') (theory.md, contact; coulomb.hpp). Its spring is that of the enforcement. Its rows of the state
@@ -17,9 +18,9 @@ public:
 
   Friction() = default; ///< there is none
   Friction(double coefficient, StateRow& traction, StateRow& slip)
-      : coefficient_(coefficient), traction_(&traction), slip_(&slip) {}
+      : coefficient_(coefficient), traction_(traction), slip_(slip) {}
 
-  bool acts() const { return traction_ != nullptr; }
+  bool acts() const { return static_cast<bool>(traction_); }
   /// `iterated`: steps solve for equilibrium; else the forces of both of their ends do work, by halves.
   void press_by(const EnforcementMethod& enforcement, bool iterated) {
     law_ = &enforcement;
@@ -27,10 +28,9 @@ public:
   }
   /// Leaves it out for a while.
   void suspend(bool suspended) { suspended_ = suspended; }
-  /// The surface has changed: of its constraints from now on the numbers in the rows of the table, -1 for
-  /// what came free.
-  void change_surface(std::vector<int> place);
-  bool changed() const { return changed_; }
+  /// The surface has changed (SurfaceRow).
+  void change_surface(const std::vector<int>& place);
+  bool changed() const { return traction_.changed(); }
   /// The traction that a report shows: of the present state, or of the last step.
   Tangential shown(const Constraint& c) const;
   /// Whether it acts on this constraint now.
@@ -87,19 +87,13 @@ private:
   Tangential traction_in(const std::vector<double>& tractions, const Constraint& c) const;
   std::size_t tangents() const { return static_cast<std::size_t>(traction_->components); }
 
-  bool forgets(const Constraint& c) const {
-    return changed_ && place_[static_cast<std::size_t>(c.index)] < 0;
-  }
-  void tell_table();
+  bool forgets(const Constraint& c) const { return traction_.lacks(c.index); }
 
   double coefficient_ = 0;
   const EnforcementMethod* law_ = nullptr;
-  StateRow *traction_ = nullptr, *slip_ = nullptr; // of the constraints that are there
-  std::array<StateRow*, 2> in_table_{};            // both where the surface has changed,
-  std::array<std::unique_ptr<StateRow>, 2> own_;   // and those beside the table
-  std::vector<int> place_;
+  SurfaceRow traction_, slip_;
   std::vector<double> none_;
-  bool changed_ = false, iterated_ = true, suspended_ = false, reverses_ = false;
+  bool iterated_ = true, suspended_ = false, reverses_ = false;
   // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;
