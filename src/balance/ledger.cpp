@@ -108,9 +108,9 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
 
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
 // update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does,
-// and so do the impulses of explicit steps. In statics what overlaps at the start of the run springs apart in
-// the first step, by an energy of that start; of gaps that close within a step the trapezoidal rule takes the
-// pressure for one from its start on.
+// and so do the impulses of explicit steps; penalties of these lose springs (78''). In statics what overlaps
+// at the start of the run springs apart in the first step, by an energy of that start; of gaps that close
+// within a step the trapezoidal rule takes the pressure for one from its start on.
 void Ledger::book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u,
                           bool watched) {
   sum(contact_work) += work_contact;
@@ -120,6 +120,7 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
   });
   const bool strikes =
       step.stabilised || std::any_of(all.begin(), all.end(), [](const auto& c) { return c.by_impulse(); });
+  if (!strikes) sum(contact_loss) += motion_.discretisation().thickness * work.jumps;
   if (!watched && idle && !strikes) return;
   const std::vector<ContactStep> contacts = all.step(u);
   double store = 0;

@@ -277,7 +277,7 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   if (mass_.empty()) mass_ = d.local_of(motion_.lumped_mass());
   const std::vector<double>& u = motion_.last_displacement();
   reactions_.resize(u.size());
-  double sums[5] = {0, 0, 0, 0, 0};
+  double sums[6] = {0, 0, 0, 0, 0, 0};
   const std::vector<char>& fixed = motion_.boundary().fixed_mask();
   const auto dim = at(d.dim());
   for (std::size_t i = 0; i < u.size(); ++i) {
@@ -293,12 +293,15 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
     sums[3] += a_new_[i] * inertia_force_.trial[i];
     sums[4] += a_n * mass_[i] * a_n;
   }
+  for (const ContactInterface& contact : motion_.contacts())
+    sums[5] += contact.constraints().taken_by_jumps();
   sum_over_ranks(d.mesh.comm(), sums);
   const double factor = -step.dt * step.dt / 8;
   StepWork work;
   work.internal = sums[0] / 2;
   work.external = sums[1] / 2;
   work.contact = sums[2] / 2;
+  work.jumps = sums[5];
   work.rigid = step.bodies.supports;
   work.integrator.loss = factor * (sums[3] - sums[4]) + step.bodies.loss;
   work.integrator.kept = factor * sums[3] + step.bodies.kept;

@@ -57,6 +57,7 @@ void Constraints::visit(const ContactValues& u, Derivatives derivatives, const C
         u, derivatives,
         [&](Constraint& c) { // at the end of a step, as the step saw it
           keep_overlap(c);
+          leave_jump(u, derivatives, c);
           pressed(c);
         },
         wanted);

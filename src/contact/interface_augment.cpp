@@ -198,7 +198,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
   if (constraints_->conserving()) *now.spring = sum.spring;
   if (friction_.acts()) *now.heat = *before.heat + sum.heat;
   if (constraints_->conserving()) constraints_->keep_gaps(u);
-  constraints_->set_rule(StepRule::none);
+  constraints_->end();
   if (friction_.acts()) constraints_->form().anchor(u);
 }
 

@@ -98,6 +98,7 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   const double way = constraints_->form().way();
   settings_.exposed = true;
   Handle<Vec> fixed = constraints_->release_fixed();
+  SurfaceRow left = constraints_->release_left();
   make_constraints(std::move(sides[0]), sides[1]);
   const std::size_t points = constraints_->form().constraint_row("", 1).second;
   constraints_->declare(points, false, nullptr);
@@ -106,8 +107,11 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   place_obstacle();
   constraints_->form().keep_way(way);
   update_search(u);
+  const std::vector<int> place = places_at_start(points);
+  if (left) left.change_surface(place);
+  constraints_->leave_jumps(std::move(left));
   if (!frictional()) return;
-  friction_.change_surface(places_at_start(points));
+  friction_.change_surface(place);
   constraints_->form().anchor(u);
 }
 
@@ -146,6 +150,8 @@ void ContactInterface::declare_state(StateTable& state) {
       std::fill(half->begin(), half->end(), unknown_gap);
   }
   constraints_->declare(rows_.multiplier->trial.size(), rows_.multiplier->support == Support::vertex, gap);
+  if (!settings_.rigid()) left_ = add("left", 2);
+  if (left_ != nullptr && !settings_.iterated) constraints_->leave_jumps(SurfaceRow(*left_));
   rows_.penalty = add_global("penalty", EnforcementRows::components);
   totals_ = add_global("totals", 3 * dim + 4 + (gap != nullptr ? 1 : 0) + (frictional() ? 1 : 0));
   for (const auto& [row, what] : {std::pair(&force_, "force"), std::pair(&carried_, "carried")})

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/constraints.hpp>
+#include <impact/kernel/contact_pair.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <numeric>
 
 /// Contact in a step (theory.md, motion in time): forces along the gradients at its middle, where a turn of
 /// both bodies, however far, is an infinitesimal one of the mean configuration: du = spin x (x_n +
@@ -15,12 +17,25 @@ namespace {
 
 // An overlap at the start of a step that the step closes, in mean secondary facets.
 constexpr double small_overlap = 2e-3;
+// By which what is left is pushed out in a step of 0.8 of the stable one, likewise: impacts are over before
+// that is much, what slides into higher ground does so more slowly.
+constexpr double push = 5e-4;
 
 } // namespace
 
 void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double, 3>& moved) {
-  step_ = {rule, std::move(u_n), moved, {}, {}};
+  step_ = {rule, std::move(u_n), moved, {}, {}, static_cast<bool>(left_), std::move(step_.given)};
+  if (left_) {
+    std::fill(left_->trial.begin(), left_->trial.end(), unknown_gap);
+    step_.given.assign(count_, 0.0);
+  }
   if (rule != StepRule::none) find_start_gaps();
+}
+
+void Constraints::end() {
+  step_.rule = StepRule::none;
+  step_.finds_jumps = false;
+  if (left_) left_.tell_table();
 }
 
 std::vector<double> Constraints::place_of_gradients(const ContactValues& u) const {
@@ -83,6 +98,76 @@ void Constraints::keep_overlap(Constraint& c) const {
   c.gap -= start;
 }
 
+double Constraints::way_within_step(const ContactValues& u, const Constraint& c) const {
+  const std::vector<double>&X = nodes().X, &start = nodes().start;
+  double way = 0;
+  for (std::size_t i = 0; i < c.gradient.size(); ++i) {
+    const std::size_t k = dof(c.node[i / dim_], i % dim_);
+    way += c.gradient[i] * (X[k] + u[k] - start[k]);
+  }
+  return way;
+}
+
+namespace {
+
+// Of the row of a constraint: what is left, unknown_gap where it does not press; the energy of its spring,
+// unknown_gap where that has gone without a way out, or was not followed.
+enum Left : std::size_t { of_gap, of_spring, parts_of_left };
+
+} // namespace
+
+void Constraints::begin_jumps(std::vector<double>& left) {
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % parts_of_left == of_gap ? 0 : unknown_gap;
+}
+
+// By which a constraint is deeper than the ways of both sides in the step explain: of one that did not press
+// by its own, of others, which slide over kinks, by the longest of all.
+double Constraints::jump(const ContactValues& u, const Constraint& c) const {
+  const double* before = &left_->committed[parts_of_left * at(c.index)];
+  if (before[of_gap] == unknown_gap) return c.gap - std::min(0.0, way_within_step(u, c));
+  if (before[of_spring] == unknown_gap) return before[of_gap];
+  const double gap_n = before[of_gap] - std::sqrt(2 * before[of_spring] / (c.weight * law_->eps()));
+  return before[of_gap] + std::min(0.0, c.gap - gap_n + form_->search().motion());
+}
+
+// A jump is left for the time being; a spring is lost where what pressed is open, but not by its way (78'').
+void Constraints::leave_jump(const ContactValues& u, Derivatives derivatives, Constraint& c) const {
+  if (!left_ || left_.lacks(c.index) || law_->is_given()) return;
+  double* const now = &left_->trial[parts_of_left * at(c.index)];
+  if (step_.finds_jumps && derivatives != Derivatives::none) {
+    if (c.gap < 0) {
+      const auto spring = [&](double left) {
+        return c.weight * contact_potential(0, law_->eps(), c.gap - left);
+      };
+      const double whole = std::min(0.0, std::max(c.gap, jump(u, c)));
+      // What opens by itself is not pushed.
+      const double pushed = c.gap < whole ? push * mean_length_ / form_->longest_step() : 0;
+      now[of_gap] = std::min(0.0, whole + pushed);
+      now[of_spring] = spring(now[of_gap]);
+      step_.given[at(c.index)] = now[of_spring] - spring(whole);
+    } else {
+      now[of_gap] = unknown_gap;
+      now[of_spring] = pressed(c.index) && c.gap > std::max(0.0, way_within_step(u, c)) ? unknown_gap : 0;
+    }
+  }
+  if (now[of_gap] == unknown_gap) return;
+  c.kept = now[of_gap];
+  c.gap -= c.kept;
+}
+
+bool Constraints::pressed(int index) const {
+  return left_ && !left_.lacks(index) && left_->committed[parts_of_left * at(index)] != unknown_gap;
+}
+
+double Constraints::taken_by_jumps() const {
+  double sum = -std::accumulate(step_.given.begin(), step_.given.end(), 0.0);
+  for (std::size_t row = 0; left_ && row < left_->trial.size(); row += parts_of_left)
+    if (const double before = left_->committed[row + of_spring];
+        before != unknown_gap && left_->trial[row + of_spring] == unknown_gap)
+      sum += before;
+  return sum;
+}
+
 namespace {
 
 // A gradient over the nodes of a constraint.
@@ -126,7 +211,6 @@ void Constraints::keep_gaps(Vec u) {
   visit(u, Derivatives::first, [&](const Constraint& c) { gap[at(c.index)] = c.gap; });
   share(gap, 1);
   gap_->trial = std::move(gap);
-  step_.rule = StepRule::none;
 }
 
 void Constraints::visit_curvature(const ContactValues& u, std::vector<double>& of_gap,

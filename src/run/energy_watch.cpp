@@ -242,6 +242,13 @@ std::string EnergyWatch::step_remedy() const {
   if (!inertia && !gained && !stage_.d.has_heat())
     return "likely a body snapped or buckled within a step, whose energy nothing takes up without inertia, "
            "or steps are too long: take a shorter -ts_dt to tell";
+  if (by_itself && gained &&
+      stage_.ledger.exchanged().struck < -0.5 * stage_.ledger.energy_error() * stage_.ledger.energy_scale())
+    return "likely because places of a contact came to lie deep in facets that they had not seen, at a "
+           "corner or "
+           "under the front of what slides, and were pushed out: exchange the sides of the contact, the "
+           "larger one "
+           "as _primary, or take smaller facets there";
   std::string text = gained ? "likely the steps are too long for what changes its stiffness in them"
                             : "likely the steps are too long";
   if (few)

@@ -1,6 +1,7 @@
 """Runs the program from a script and compares what it writes with references."""
 import contextlib
 import fcntl
+import math
 import os
 import re
 import subprocess
@@ -150,8 +151,10 @@ def _audit_energy(name, run):
     if not any(c.endswith("_gap_min") and run[c][0] < 0 for c in run.history):
         given = -column("dissipated_contact").min() / largest
         gained = run["gain"] + numpy.minimum(run["exchange_numerical"], 0) if "energy_numerical" in run.history else numpy.zeros(1)
+        # Explicit contact pushes out what lies deep in a facet at once (theory.md, 78''), and tells what that gives.
+        pushes = "central differences: " in run.log and (column("energy_contact").max() > 0 or "came to lie deep in facets" in run.log)
         # What contact may give by itself is not the integrator's.
-        wrong += [("energy that contact gave", given, 1e-9 if exact else 1e-7),
+        wrong += [("energy that contact gave", given, math.inf if pushes else 1e-9 if exact else 1e-7),
                   ("energy that integrator, contact and closing cracks gave",
                    gained.max() / largest, from_steps + given)]
         if "dissipated_contact" not in run.history and "dissipated_closing" not in run.history:

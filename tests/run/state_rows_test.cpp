@@ -84,6 +84,7 @@ const Rows known = {
     {"jc_failure", {Support::cell_point, 1}},
     {"damage_history", {Support::cell_point, 1}},
     {"contact_face_multiplier", {Support::facet_point, 1}}, // by the method, see multipliers
+    {"contact_face_left", {Support::facet_point, 2}},       // likewise
     {"contact_face_penalty", {Support::global, 3}},
     {"contact_face_totals", {Support::global, 10}},
     {"contact_face_carried", {Support::vertex, 2}},
@@ -146,7 +147,7 @@ TEST(StateRows, AreExactlyTheKnownOnesAndAllAreKeptByCheckpoints) {
     SCOPED_TRACE(support == Support::vertex ? "mortar" : "gpts");
     const AllPhysics run = make(method);
     Rows missing = known;
-    missing["contact_face_multiplier"].first = support;
+    missing["contact_face_multiplier"].first = missing["contact_face_left"].first = support;
     for (const auto& row : run.state.rows()) {
       const auto found = missing.find(row->name);
       ASSERT_NE(found, missing.end()) << "row " << row->name << " is not known here";

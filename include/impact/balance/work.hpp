@@ -22,6 +22,7 @@ struct StepWork {
   double unilateral = 0; ///< the unilateral stress of broken points does it
   double left = 0;       ///< of what Newton's method left of the balance
   double inertia = 0;    ///< of what stands for inertia in a run without
+  double jumps = 0;      ///< energy that contacts lost as places came to face something else (78'')
   ShockWork shock;
   IntegratorEnergy integrator; ///< what the scheme itself does
 };

@@ -2,6 +2,7 @@
 #include <array>
 #include <impact/contact/enforcement.hpp>
 #include <impact/contact/form.hpp>
+#include <impact/contact/surface_row.hpp>
 #include <memory>
 #include <vector>
 
@@ -45,6 +46,12 @@ public:
   /// `count` constraints, one row per node where `nodal`; `gap` the row of followed gaps of the
   /// energy-conserving update, else null.
   void declare(std::size_t count, bool nodal, StateRow* gap);
+  /// Penalties of explicit steps: `left`, [constraint] two numbers, says what they leave between steps
+  /// (78'').
+  void leave_jumps(SurfaceRow left) { left_ = std::move(left); }
+  SurfaceRow release_left() { return std::move(left_); }
+  /// Before the first of them: whatever overlaps presses.
+  static void begin_jumps(std::vector<double>& left);
   /// Pressures are those of this enforcement from now on.
   void press_by(const EnforcementMethod& enforcement) { law_ = &enforcement; }
   /// Nodes whose dofs are prescribed; see ContactInterface. Collective.
@@ -62,6 +69,8 @@ public:
   Handle<Vec> release_start() { return std::move(step_.u_n); }
   StepRule rule() const { return step_.rule; }
   void set_rule(StepRule rule) { step_.rule = rule; }
+  /// The step is accepted.
+  void end();
   /// Once pairs are up to date. Collective.
   void find_start_gaps();
   bool conserving() const { return gap_ != nullptr; }
@@ -81,10 +90,13 @@ public:
              const ConstraintFilter& wanted = {}) const {
     visit(nodes().displacement(u), derivatives, visitor, wanted);
   }
-  /// Those that press, which is what forces need.
+  /// Those that press, which is what forces need, or did as springs that may be lost.
   ConstraintFilter pressing() const {
-    return [this](int index, double gap) { return law_->presses(index, gap); };
+    return [this](int index, double gap) { return law_->presses(index, gap) || pressed(index); };
   }
+  /// Of this rank, in the step whose forces are known: energy of springs that have no constraint any more,
+  /// less what pushing out the overlap that was left gave (78'').
+  double taken_by_jumps() const;
   /// Second variations over the same constraints, as the step takes them; factors are used up.
   void visit_curvature(const ContactValues& u, std::vector<double>& of_gap, std::vector<Tangential>& of_slip,
                        const BlockVisitor& visitor) const;
@@ -101,9 +113,15 @@ private:
     std::array<double, 3> moved{};
     std::vector<double> start;     // of nodes(): u_n, relative to the rigid body where it will be
     std::vector<double> start_gap; // by constraint
+    bool finds_jumps = false;
+    mutable std::vector<double> given; // by constraint, energy
   };
   std::vector<double> relative_start() const;
   void keep_overlap(Constraint& c) const;
+  double way_within_step(const ContactValues& u, const Constraint& c) const;
+  bool pressed(int index) const;
+  double jump(const ContactValues& u, const Constraint& c) const;
+  void leave_jump(const ContactValues& u, Derivatives derivatives, Constraint& c) const;
   void visit_step(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
   void visit_followed(const ContactValues& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
@@ -117,6 +135,7 @@ private:
   bool frictional_, nodal_ = false, symmetric_ = false;
   const EnforcementMethod* law_ = nullptr;
   StateRow* gap_ = nullptr;
+  SurfaceRow left_;
   Handle<Vec> fixed_;            // 1 at fixed dofs; absent: none
   std::vector<char> fixed_here_; // [node][dim] of the form's nodes
   bool supported_ = false;       // some secondary node of a form with a constraint per node is

@@ -124,6 +124,7 @@ public:
   const PairSearch& search() const { return search_; }
   /// The longest steps that penalties are made for, over the present one.
   void set_longest_step(double steps) { longest_step_ = steps; }
+  double longest_step() const { return longest_step_; }
   /// How far the sides move in such a step. Until the next attempt a form that takes the place of another one
   /// sees as deep as that one did.
   double way() const { return std::max(last_way_, longest_step_ * search_.motion()); }

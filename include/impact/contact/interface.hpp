@@ -118,9 +118,9 @@ struct StiffnessBound {
 class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
-  /// `_force`, `_carried`, with friction `_traction` and `_slip`, are added to the table, and the candidates
-  /// at u = 0 are found. Throws UserError: unknown groups, a penalty that is not positive, automatic without
-  /// a modulus, a rigid body without a direction or radius. Collective.
+  /// `_force`, `_carried`, `_left`, with friction `_traction` and `_slip`, are added to the table, and the
+  /// candidates at u = 0 are found. Throws UserError: unknown groups, a penalty that is not positive,
+  /// automatic without a modulus, a rigid body without a direction or radius. Collective.
   ContactInterface(const Mesh& mesh, const FieldLayout& displacement, const ContactSettings& settings,
                    const ContactEnvironment& environment, StateTable& state);
   ContactInterface(const ContactInterface&) = delete; // its parts know each other
@@ -136,6 +136,10 @@ public:
   const ContactNodes& nodes() const { return constraints_->nodes(); }
   PairSearch& search() { return constraints_->form().search(); }
   const PairSearch& search() const { return constraints_->form().search(); }
+  /// Explicit steps begin from what the contact holds: whatever presses does so with all of its overlap.
+  void start_explicit() {
+    if (left_ != nullptr) Constraints::begin_jumps(left_->committed);
+  }
   /// Of explicit steps: the longest that penalties are made for, over the present one.
   void set_longest_step(double steps) { constraints_->form().set_longest_step(steps); }
   /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
@@ -321,6 +325,7 @@ private:
   std::unique_ptr<EnforcementMethod> method_, fallback_;
   RigidNodes rigid_nodes_;
   EnforcementRows rows_{};
+  StateRow* left_ = nullptr;
   StateRow *totals_ = nullptr, *force_ = nullptr, *carried_ = nullptr; // by nodes as add_residual has them
   /// What cells that left have made of a side.
   struct LiveSide {
