@@ -12,6 +12,7 @@
 #include <spawn.h>
 #include <sstream>
 #include <string_view>
+#include <strings.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -103,6 +104,12 @@ void check_parameters(const std::string& geo, const std::map<std::string, std::s
   for (const auto& [name, kind] : declared) known += (known.empty() ? "" : ", ") + name;
   const bool whole = !has_word(text, "Include") && !has_word(text, "Merge") && !has_word(text, "Exists");
   for (const auto& [name, value] : parameters) {
+    for (const auto& [other, kind] : declared)
+      if (other != name && strcasecmp(other.c_str(), name.c_str()) == 0)
+        throw UserError(ExitCode::usage, "-mesh_set_" + name + ": " + geo + " declares " + name + " and " +
+                                             other +
+                                             ", and options know no case: values of both would go to one; "
+                                             "give one of them another name there");
     const auto found = declared.find(name);
     if (found == declared.end() && whole)
       throw UserError(ExitCode::usage,

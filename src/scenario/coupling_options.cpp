@@ -230,7 +230,7 @@ OptionGroup heat_options() {
              "capacity matrix: lumped at the nodes, where sudden heat or cold leaves no temperature beyond "
              "those around it, or consistent (auto: lumped on cells of first order that conduct, where "
              "conditions, -ics, friction or rigid bodies bring heat; of that of flow and cracks lumping "
-             "takes the peaks off)",
+             "takes the peaks off, and of explicit steps a third of the time)",
              "auto", std::nullopt, "lumped", true, "consistent", false)
       .refused(
           [](const Scenario& s) { return s.heat.lumped == true && s.heat.order == 1 && s.mesh.order == 2; },

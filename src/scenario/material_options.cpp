@@ -175,8 +175,9 @@ void add_heat(MaterialRows& rows) {
   const std::string cold = "<>c_v is not given, and no temperature is solved for",
                     insulating = "<>conductivity is 0";
   Rows row(rows, RestartKey::guarded, &Material::law);
-  row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
-             "part of the plastic work that is dissipated")
+  row.number(
+         "taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
+         "part of the plastic work without rate that is dissipated; what a rate adds to the stress always is")
       .idle(does_not_flow, "<>model is elastic");
   Rows(rows)
       .number(

@@ -33,7 +33,9 @@ std::string quoted(const std::optional<std::string>& value) {
 }
 
 bool is_changed(const std::string& key, const Change& change) {
-  // A check of the mesh's dimension may come and go; the checkpoint has the mesh of a file that is gone.
+  // A check of the mesh's dimension may come and go; the checkpoint has the mesh of a file that is gone, and
+  // its order.
+  if (!change.now && key == "order") return false;
   if (!change.before || !change.now) return key != "dim" && !key.ends_with("_content");
   const bool path = key == "mesh" || key.ends_with("_table"); // of functions and of hardening
   const auto name = [](const std::string& text) { return std::filesystem::path(text).filename(); };

@@ -77,6 +77,7 @@ def more(options, **changes):
 
 
 SQUARE = write_mesh("square.msh")
+CASES = write("cases.geo", "DefineConstant[ h = 1, H = 2 ];\n")
 GEO = write("square.geo", 'DefineConstant[ n = {2, Name "cells"}, kind = "plain" ];\nm = n; // mesh_set_m has no effect\n'
             "Point(1) = {0, 0, 0};\nExtrude{1, 0, 0}{ Point{1}; Layers{m}; }\nExtrude{0, 1, 0}{ Line{1}; Layers{m}; }\n"
             'Physical Surface("solid") = {5}; Physical Curve("bottom") = {1}; Physical Curve("top") = {2};\n')
@@ -117,6 +118,7 @@ ROWS = [
     ("a word for a number of the mesh", more(PULL, mesh=GEO, mesh_set_n="abc"), 2, ['-mesh_set_n "abc"', "allowed: a number"]),
     ("a number for a word of the mesh", more(PULL, mesh=GEO, mesh_set_kind="3"), 2, ['-mesh_set_kind "3"', "allowed: a word"]),
     ("a constant that the mesh does not ask for", more(PULL, mesh=GEO, mesh_set_m="3"), 2, ['has no parameter "m"', "allowed: kind, n"]),
+    ("constants that differ by case", more(PULL, mesh=CASES, mesh_set_h="3"), 2, ["declares h and H", "options know no case"]),
     ("a negative coefficient of convection", more(HEAT, bc_air_h="5-10*t"), 3, ['-bc_air_h "5-10*t": -', "allowed: >= 0"]),
     ("an absolute temperature below zero around", more(HEAT, bc_air_value="300-400*t"), 3, ['-bc_air_value "300-400*t": -', "allowed: > 0 K"]),
     ("two displacements that agree at the ends alone",
