@@ -66,6 +66,8 @@ void Ledger::resume_with(const Integrator& integrator, double dt, Vec u, Vec v, 
   const double kept_now = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a, true);
   sum(numerical) -= kept_now - sum(kept);
   sum(kept) = kept_now;
+  // What the scheme before missed, as gaps that a static step closed, is not this one's.
+  sum(start_energy) += balance_first_law() * energy_scale();
   reactions_.find(forces_.reactions(), u);
 }
 

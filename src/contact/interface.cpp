@@ -103,7 +103,7 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
     if (!c.active) return;
     if (bound) {
       add_stiffness_bound(c, stiff, bound->of_bodies);
-      bound->deepest = std::max(bound->deepest, -c.gap - c.kept);
+      bound->deepest = std::max(bound->deepest, (-c.gap - c.kept) / constraints_->form().sight(c.index));
     }
     const auto add = [&](double times, const double* gradient) {
       for (int node : c.node) {

@@ -11,6 +11,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <map>
+#include <set>
 
 /// Construction of a ContactInterface and the overlap at the start.
 namespace impact {
@@ -41,6 +42,13 @@ std::unique_ptr<ContactForm> make_form(const FormRequest& request) {
   if (request.settings.method == ContactMethod::mortar) return std::make_unique<MortarForm>(request);
   refuse_mixed_surfaces(request);
   return stored_nodes(request.mesh) == 2 ? make_edge_point_form(request) : make_ray_point_form(request);
+}
+
+std::vector<char> came_free(const FacetTable& then, const FacetTable& now) {
+  const std::set<PetscInt> there(then.point.begin(), then.point.end());
+  std::vector<char> free;
+  for (const PetscInt facet : now.point) free.push_back(there.contains(facet) ? 0 : 1);
+  return free;
 }
 
 } // namespace
@@ -93,7 +101,8 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
     LiveSide& side = live_[name];
     if (side.body.empty()) side.body = nodes_of_bodies(*mesh_, mesh_->nodes(name));
     side.facets = mesh_->live_facets(name, eroded, side.body);
-    sides[primary ? 1 : 0] = surface_of(*mesh_, name, side.facets);
+    ContactSurface& surface = sides[primary ? 1 : 0] = surface_of(*mesh_, name, side.facets);
+    surface.came_free = came_free(mesh_->facets(name), side.facets);
   }
   const double way = constraints_->form().way();
   settings_.exposed = true;

@@ -119,12 +119,17 @@ void EnergyWatch::report_end(double t) const {
 void EnergyWatch::tell_of_impacts() const {
   const Scenario& s = stage_.scenario;
   const double part = stage_.ledger.exchanged().struck / stage_.ledger.energy_scale();
-  if (s.explicit_steps() || s.energy_tol == 0 || part <= s.energy_tol) return;
-  check(
-      PetscPrintf(stage_.d.mesh.comm(),
-                  "impact: impacts took %.2g of the largest energy (dissipated_contact), as those of plastic "
-                  "bodies do: shorter steps take less, -contact_<id>_impact conserving nothing\n",
-                  part));
+  const ContactSet& contacts = stage_.setup->contacts;
+  if (s.energy_tol == 0 || part <= s.energy_tol ||
+      std::ranges::any_of(contacts, [](const ContactInterface& contact) { return contact.by_impulse(); }))
+    return;
+  check(PetscPrintf(
+      stage_.d.mesh.comm(), "impact: %s took %.2g of the largest energy (dissipated_contact), %s\n",
+      s.explicit_steps() ? "springs of contacts that were lost" : "impacts", part,
+      s.explicit_steps() ? "where places went deeper than surfaces are seen or round an edge: a larger "
+                           "-contact_<id>_penalty or smaller facets there lose less"
+                         : "as those of plastic bodies do: shorter steps take less, -contact_<id>_impact "
+                           "conserving nothing"));
 }
 
 // A contact whose springs hold as much as the bodies is as soft as these are.

@@ -1,23 +1,11 @@
 #include <algorithm>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/solve/explicit_contact.hpp>
 
 namespace impact {
-
-namespace {
-
-// Part of `range` from which on facets are lost: half of one; where cells have left a sixteenth of one or
-// what bodies move in a few steps (PointForm::depth).
-double unseen(const ContactInterface& contact) {
-  constexpr double half = 0.6;
-  return contact.settings().exposed
-             ? std::max(half / 8, 4 * contact.search().motion() / contact.search().range())
-             : half;
-}
-
-} // namespace
 
 ExplicitContact::ExplicitContact(MotionProblem& motion)
     : motion_(motion), impulses_(motion.discretisation().displacement),
@@ -51,8 +39,7 @@ void ExplicitContact::add_forces(Vec u, bool by_impulse, Vec force) {
       check(VecSet(known->residual, 0));
       StiffnessBound bound{stiffness_, on_bodies_};
       known->part = contact.add_residual(u, 1, known->residual, by_impulse ? nullptr : &bound);
-      if (!contact.settings().rigid())
-        deepest_ = std::max(deepest_, bound.deepest / contact.search().range() / unseen(contact));
+      if (!contact.settings().rigid()) deepest_ = std::max(deepest_, bound.deepest);
       check(VecAXPY(force, -1, known->residual));
     }
     ++known;
@@ -70,13 +57,24 @@ double ExplicitContact::frequency_at_work() {
   max_over_ranks(comm, most);
   if (most[1] > 0.9 && !told_) {
     told_ = true;
-    check(PetscPrintf(comm, "impact: WARNING: a contact is as deep as surfaces are seen in each other, half "
-                            "of a facet, a sixteenth "
-                            "of one where cells have left; what goes deeper passes through: take a larger "
-                            "-contact_<id>_penalty, shorter steps (-ts_dt_cfl) "
-                            "or -contact_<id>_enforce impulse\n"));
+    tell_of_depth();
   }
   return most[0];
+}
+
+void ExplicitContact::tell_of_depth() const {
+  std::string penalties;
+  bool exposed = false;
+  for (const ContactInterface& contact : motion_.contacts()) {
+    exposed = exposed || contact.settings().exposed;
+    penalties += text_of("%s%s %.3g", penalties.empty() ? "" : ", ", contact.id().c_str(), contact.penalty());
+  }
+  check(PetscPrintf(
+      motion_.discretisation().mesh.comm(),
+      "impact: WARNING: a contact is as deep as surfaces are seen in each other, half of a facet%s; "
+      "what goes deeper passes through: take a larger -contact_<id>_penalty (now %s)%s\n",
+      exposed ? ", a sixteenth of one that came free as cells left" : "", penalties.c_str(),
+      exposed ? "" : " or -contact_<id>_enforce impulse"));
 }
 
 void ExplicitContact::add_impulses(const Motion& now, Vec inverse_mass, const ExplicitBodies& bodies,

@@ -124,6 +124,8 @@ public:
   const PairSearch& search() const { return search_; }
   /// The longest steps that penalties are made for, over the present one.
   void set_longest_step(double steps) { longest_step_ = steps; }
+  /// How deep the facet of a constraint is seen.
+  virtual double sight(int /*constraint*/) const { return 0.6 * search_.range(); }
   double longest_step() const { return longest_step_; }
   /// How far the sides move in such a step. Until the next attempt a form that takes the place of another one
   /// sees as deep as that one did.

@@ -105,7 +105,8 @@ struct ContactReach {
   bool presses = false;
 };
 
-/// How stiff the penalties at work are, and how deep this rank's active constraints lie; see add_residual.
+/// How stiff the penalties at work are, and how deep this rank's active constraints lie, of what is seen; see
+/// add_residual.
 struct StiffnessBound {
   Vec of_nodes;
   std::vector<double>& of_bodies; ///< [rigid body]

@@ -92,6 +92,7 @@ public:
   void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
+  double sight(int constraint) const override { return depth(constraint / points_.per_facet); }
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
   void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const override;
 
@@ -205,15 +206,15 @@ private:
   Seen look(const Facet& facet, const Point& point, int candidate, const ContactValues& x) const;
   bool may_touch(const Facet& facet, const Point& point, const Seen& seen) const;
   // How deep a point is seen that did not come through a surface within the step. Explicit steps move bodies
-  // by far less than a facet: what is deeper lies behind another part of a body, which cells that broke have
-  // laid open: from then on no more is seen than a penalty lets in, which is little beside what bodies move
-  // in a few steps, or else what it has not turned back would be pushed out at once. What lies opposite at
-  // the start of a step does not depend on the last one.
+  // by far less than a facet: what is deeper lies behind another part of a body. Of a facet that came free no
+  // more is seen than a penalty lets in, which is little beside what bodies move in a few steps: it may be
+  // seen from behind, and keeps nothing by which a jump could be told (78''). What lies opposite at the start
+  // of a step does not depend on the last one.
   double depth(int facet) const {
     const double seen = search_.depth(facet);
     const double length = secondary_.length[at(facet)];
     if (settings_.iterated) return seen;
-    if (!settings_.exposed) return std::min(seen, length / 2);
+    if (secondary_.came_free.empty() || !secondary_.came_free[at(facet)]) return std::min(seen, length / 2);
     return std::min({seen, length / 4, anchoring_ ? length : std::max(length / 16, 4 * way())});
   }
   // Whether one part of a surface may lie behind another one.

@@ -66,6 +66,7 @@ private:
   void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
                             std::vector<double>& of_bodies) const;
   void add_forces(Vec u, bool by_impulse, Vec force);
+  void tell_of_depth() const;
 
   MotionProblem& motion_;
   struct Force {
