@@ -26,7 +26,7 @@ constexpr double push = 5e-4;
 void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double, 3>& moved) {
   step_ = {rule, std::move(u_n), moved, {}, {}, static_cast<bool>(left_), std::move(step_.given)};
   if (left_) {
-    std::fill(left_->trial.begin(), left_->trial.end(), unknown_gap);
+    forget_unseen();
     step_.given.assign(count_, 0.0);
   }
   if (rule != StepRule::none) find_start_gaps();
@@ -111,7 +111,7 @@ double Constraints::way_within_step(const ContactValues& u, const Constraint& c)
 namespace {
 
 // Of the row of a constraint: what is left, unknown_gap where it does not press; the energy of its spring,
-// unknown_gap where that has gone without a way out, or was not followed.
+// negative while it faces nothing, unknown_gap where that has gone for good, or was not followed.
 enum Left : std::size_t { of_gap, of_spring, parts_of_left };
 
 } // namespace
@@ -120,14 +120,28 @@ void Constraints::begin_jumps(std::vector<double>& left) {
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % parts_of_left == of_gap ? 0 : unknown_gap;
 }
 
+// A constraint that presses and is not seen in this step may be seen in a later one: it went deeper than
+// facets see, and comes back.
+void Constraints::forget_unseen() {
+  const std::vector<double>& before = left_->committed;
+  std::vector<double>& now = left_->trial;
+  now = before;
+  for (std::size_t row = 0; row < now.size(); row += parts_of_left)
+    if (now[row + of_gap] == unknown_gap || now[row + of_spring] == unknown_gap)
+      now[row + of_gap] = now[row + of_spring] = unknown_gap;
+    else
+      now[row + of_spring] = -std::abs(before[row + of_spring]);
+}
+
 // By which a constraint is deeper than the ways of both sides in the step explain: of one that did not press
 // by its own, of others, which slide over kinks, by the longest of all.
 double Constraints::jump(const ContactValues& u, const Constraint& c) const {
   const double* before = &left_->committed[parts_of_left * at(c.index)];
   if (before[of_gap] == unknown_gap) return c.gap - std::min(0.0, way_within_step(u, c));
   if (before[of_spring] == unknown_gap) return before[of_gap];
-  const double gap_n = before[of_gap] - std::sqrt(2 * before[of_spring] / (c.weight * law_->eps()));
-  return before[of_gap] + std::min(0.0, c.gap - gap_n + form_->search().motion());
+  const double depth = std::sqrt(2 * std::abs(before[of_spring]) / (c.weight * law_->eps()));
+  if (before[of_spring] < 0) return std::min(before[of_gap], c.gap + depth); // it takes back what it lost
+  return before[of_gap] + std::min(0.0, c.gap - before[of_gap] + depth + form_->search().motion());
 }
 
 // A jump is left for the time being; a spring is lost where what pressed is open, but not by its way (78'').
@@ -144,7 +158,8 @@ void Constraints::leave_jump(const ContactValues& u, Derivatives derivatives, Co
       const double pushed = c.gap < whole ? push * mean_length_ / form_->longest_step() : 0;
       now[of_gap] = std::min(0.0, whole + pushed);
       now[of_spring] = spring(now[of_gap]);
-      step_.given[at(c.index)] = now[of_spring] - spring(whole);
+      const bool comes_back = left_->committed[parts_of_left * at(c.index) + of_spring] < 0;
+      step_.given[at(c.index)] = now[of_spring] - (comes_back ? 0 : spring(whole));
     } else {
       now[of_gap] = unknown_gap;
       now[of_spring] = pressed(c.index) && c.gap > std::max(0.0, way_within_step(u, c)) ? unknown_gap : 0;
@@ -162,8 +177,8 @@ bool Constraints::pressed(int index) const {
 double Constraints::taken_by_jumps() const {
   double sum = -std::accumulate(step_.given.begin(), step_.given.end(), 0.0);
   for (std::size_t row = 0; left_ && row < left_->trial.size(); row += parts_of_left)
-    if (const double before = left_->committed[row + of_spring];
-        before != unknown_gap && left_->trial[row + of_spring] == unknown_gap)
+    if (const double before = left_->committed[row + of_spring], now = left_->trial[row + of_spring];
+        before > 0 && before != unknown_gap && (now == unknown_gap || now < 0))
       sum += before;
   return sum;
 }

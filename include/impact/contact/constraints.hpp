@@ -120,6 +120,7 @@ private:
   void keep_overlap(Constraint& c) const;
   double way_within_step(const ContactValues& u, const Constraint& c) const;
   bool pressed(int index) const;
+  void forget_unseen();
   double jump(const ContactValues& u, const Constraint& c) const;
   void leave_jump(const ContactValues& u, Derivatives derivatives, Constraint& c) const;
   void visit_step(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
