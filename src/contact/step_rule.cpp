@@ -165,8 +165,8 @@ void Constraints::leave_jump(const ContactValues& u, Derivatives derivatives, Co
       now[of_spring] = pressed(c.index) && c.gap > std::max(0.0, way_within_step(u, c)) ? unknown_gap : 0;
     }
   }
-  if (now[of_gap] == unknown_gap) return;
-  c.kept = now[of_gap];
+  // Between steps surfaces may change: what did not press has no spring, however deep it lies now.
+  c.kept = now[of_gap] == unknown_gap ? std::min(0.0, c.gap) : now[of_gap];
   c.gap -= c.kept;
 }
 
