@@ -52,7 +52,8 @@ constexpr ColumnNote history[] = {
     {"dissipated_plastic", "J", "chi of the plastic work, and what damage and flow exchange (section 11)"},
     {"dissipated_friction", "J", "by sliding; not negative but in single explicit steps"},
     {"dissipated_fatigue", "J", "by growth of the fatigue variable (25'), by the fall of the toughness (F3)"},
-    {"dissipated_contact", "J", "by impacts, signed; negative: energy that contact gave"},
+    {"dissipated_contact", "J",
+     "by impacts and springs that are lost, signed; negative: energy that contact gave"},
     {"dissipated_erosion", "J",
      "energy that cells which left had stored, less what stays with their nodes; with erosion_mass remove "
      "their kinetic energy, too (7)"},
