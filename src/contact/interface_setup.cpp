@@ -11,7 +11,6 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <map>
-#include <set>
 
 /// Construction of a ContactInterface and the overlap at the start.
 namespace impact {
@@ -44,11 +43,25 @@ std::unique_ptr<ContactForm> make_form(const FormRequest& request) {
   return stored_nodes(request.mesh) == 2 ? make_edge_point_form(request) : make_ray_point_form(request);
 }
 
-std::vector<char> came_free(const FacetTable& then, const FacetTable& now) {
-  const std::set<PetscInt> there(then.point.begin(), then.point.end());
-  std::vector<char> free;
-  for (const PetscInt facet : now.point) free.push_back(there.contains(facet) ? 0 : 1);
-  return free;
+std::vector<int> numbers_at_start(const FacetTable& then, const FacetTable& now) {
+  std::map<PetscInt, int> number;
+  for (int f = 0; f < then.count(); ++f) number[then.point[at(f)]] = f;
+  std::vector<int> numbers;
+  for (const PetscInt facet : now.point) {
+    const auto found = number.find(facet);
+    numbers.push_back(found == number.end() ? -1 : found->second);
+  }
+  return numbers;
+}
+
+// Of constraints, which are their facets' in their order, the numbers that they had at the start; -1: their
+// facet came free.
+std::vector<int> places_at_start(const std::vector<int>& facets, std::size_t constraints) {
+  std::vector<int> place;
+  const int of_facet = facets.empty() ? 0 : static_cast<int>(constraints / facets.size());
+  for (const int facet : facets)
+    for (int q = 0; q < of_facet; ++q) place.push_back(facet < 0 ? -1 : of_facet * facet + q);
+  return place;
 }
 
 } // namespace
@@ -102,12 +115,13 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
     if (side.body.empty()) side.body = nodes_of_bodies(*mesh_, mesh_->nodes(name));
     side.facets = mesh_->live_facets(name, eroded, side.body);
     ContactSurface& surface = sides[primary ? 1 : 0] = surface_of(*mesh_, name, side.facets);
-    surface.came_free = came_free(mesh_->facets(name), side.facets);
+    surface.at_start = numbers_at_start(mesh_->facets(name), side.facets);
   }
   const double way = constraints_->form().way();
   settings_.exposed = true;
   Handle<Vec> fixed = constraints_->release_fixed();
   SurfaceRow left = constraints_->release_left();
+  const std::vector<int> facets = sides[0].at_start;
   make_constraints(std::move(sides[0]), sides[1]);
   const std::size_t points = constraints_->form().constraint_row("", 1).second;
   constraints_->declare(points, false, nullptr);
@@ -116,28 +130,12 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   place_obstacle();
   constraints_->form().keep_way(way);
   update_search(u);
-  const std::vector<int> place = places_at_start(points);
+  const std::vector<int> place = places_at_start(facets, points);
   if (left) left.change_surface(place);
   constraints_->leave_jumps(std::move(left));
   if (!frictional()) return;
   friction_.change_surface(place);
   constraints_->form().anchor(u);
-}
-
-// Of the constraints of the secondary side, which are its facets' in their order, the numbers that they had
-// on the side of the start; -1: their facet came free.
-std::vector<int> ContactInterface::places_at_start(std::size_t constraints) const {
-  const FacetTable now = facets(settings_.secondary), then = mesh_->facets(settings_.secondary);
-  std::map<PetscInt, int> number;
-  for (int f = 0; f < then.count(); ++f) number[then.point[at(f)]] = f;
-  std::vector<int> place;
-  const int of_facet = now.count() > 0 ? static_cast<int>(constraints) / now.count() : 0;
-  for (const PetscInt facet : now.point) {
-    const auto found = number.find(facet);
-    for (int q = 0; q < of_facet; ++q)
-      place.push_back(found == number.end() ? -1 : of_facet * found->second + q);
-  }
-  return place;
 }
 
 void ContactInterface::declare_state(StateTable& state) {
@@ -159,8 +157,10 @@ void ContactInterface::declare_state(StateTable& state) {
       std::fill(half->begin(), half->end(), unknown_gap);
   }
   constraints_->declare(rows_.multiplier->trial.size(), rows_.multiplier->support == Support::vertex, gap);
-  if (!settings_.rigid()) left_ = add("left", 2);
-  if (left_ != nullptr && !settings_.iterated) constraints_->leave_jumps(SurfaceRow(*left_));
+  if (!settings_.rigid()) {
+    StateRow* const left = add("left", 2);
+    if (!settings_.iterated) constraints_->leave_jumps(SurfaceRow(*left));
+  }
   rows_.penalty = add_global("penalty", EnforcementRows::components);
   totals_ = add_global("totals", 3 * dim + 4 + (gap != nullptr ? 1 : 0) + (frictional() ? 1 : 0));
   for (const auto& [row, what] : {std::pair(&force_, "force"), std::pair(&carried_, "carried")})

@@ -26,7 +26,7 @@ constexpr double push = 5e-4;
 void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double, 3>& moved) {
   step_ = {rule, std::move(u_n), moved, {}, {}, static_cast<bool>(left_), std::move(step_.given)};
   if (left_) {
-    forget_unseen();
+    remember_springs();
     step_.given.assign(count_, 0.0);
   }
   if (rule != StepRule::none) find_start_gaps();
@@ -116,13 +116,15 @@ enum Left : std::size_t { of_gap, of_spring, parts_of_left };
 
 } // namespace
 
-void Constraints::begin_jumps(std::vector<double>& left) {
+void Constraints::begin_jumps() {
+  if (!left_) return;
+  std::vector<double>& left = left_->committed;
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % parts_of_left == of_gap ? 0 : unknown_gap;
 }
 
 // A constraint that presses and is not seen in this step may be seen in a later one: it went deeper than
 // facets see, and comes back.
-void Constraints::forget_unseen() {
+void Constraints::remember_springs() {
   const std::vector<double>& before = left_->committed;
   std::vector<double>& now = left_->trial;
   now = before;

@@ -48,7 +48,7 @@ void ExplicitStep::start(Vec u, Vec v) {
   dt = motion_.stable_step(u, before, dt, settings_.bulk);
   row_.committed = row_.trial = {dt, 1, 1, 0, contacts_.closing(speed)};
   first_step_ = dt;
-  for (ContactInterface& contact : motion_.contacts()) contact.start_explicit();
+  for (ContactInterface& contact : motion_.contacts()) contact.constraints().begin_jumps();
   bodies_.start(u, v);
   bodies_.resume();
   contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl,

@@ -51,7 +51,7 @@ public:
   void leave_jumps(SurfaceRow left) { left_ = std::move(left); }
   SurfaceRow release_left() { return std::move(left_); }
   /// Before the first of them: whatever overlaps presses.
-  static void begin_jumps(std::vector<double>& left);
+  void begin_jumps();
   /// Pressures are those of this enforcement from now on.
   void press_by(const EnforcementMethod& enforcement) { law_ = &enforcement; }
   /// Nodes whose dofs are prescribed; see ContactInterface. Collective.
@@ -120,7 +120,7 @@ private:
   void keep_overlap(Constraint& c) const;
   double way_within_step(const ContactValues& u, const Constraint& c) const;
   bool pressed(int index) const;
-  void forget_unseen();
+  void remember_springs();
   double jump(const ContactValues& u, const Constraint& c) const;
   void leave_jump(const ContactValues& u, Derivatives derivatives, Constraint& c) const;
   void visit_step(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;

@@ -137,10 +137,6 @@ public:
   const ContactNodes& nodes() const { return constraints_->nodes(); }
   PairSearch& search() { return constraints_->form().search(); }
   const PairSearch& search() const { return constraints_->form().search(); }
-  /// Explicit steps begin from what the contact holds: whatever presses does so with all of its overlap.
-  void start_explicit() {
-    if (left_ != nullptr) Constraints::begin_jumps(left_->committed);
-  }
   /// Of explicit steps: the longest that penalties are made for, over the present one.
   void set_longest_step(double steps) { constraints_->form().set_longest_step(steps); }
   /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
@@ -175,8 +171,7 @@ public:
 
   /// Cells have left their bodies ([cell point minus cell_start] 1): both sides are made anew of what is
   /// there and of the facets inside their bodies that came free, and searched at u. For penalties at Gauss
-  /// points, which keep nothing for a constraint; friction keeps the springs of facets that were there at the
-  /// start. Collective.
+  /// points; facets that were there at the start keep their rows (SurfaceRow). Collective.
   void expose(const std::vector<char>& eroded, Vec u);
   /// One that the run before did not have begins at t: its obstacle moves from where it is then. Throws
   /// UserError(data) where its sides overlap at u, but for -contact_<id>_initial allow. Collective.
@@ -310,7 +305,6 @@ private:
   double spring_energy(double gap, const Tangential& traction) const;
   void add_energy(const Constraint& c, double& energy) const;
   std::unique_ptr<ContactForm> curved_form(Vec at_rest) const;
-  std::vector<int> places_at_start(std::size_t constraints) const;
   void put_obstacle(double t);
   double thickness() const; // what is reported is multiplied by it
 
@@ -326,7 +320,6 @@ private:
   std::unique_ptr<EnforcementMethod> method_, fallback_;
   RigidNodes rigid_nodes_;
   EnforcementRows rows_{};
-  StateRow* left_ = nullptr;
   StateRow *totals_ = nullptr, *force_ = nullptr, *carried_ = nullptr; // by nodes as add_residual has them
   /// What cells that left have made of a side.
   struct LiveSide {

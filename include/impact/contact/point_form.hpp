@@ -214,7 +214,7 @@ private:
     const double seen = search_.depth(facet);
     const double length = secondary_.length[at(facet)];
     if (settings_.iterated) return seen;
-    if (secondary_.came_free.empty() || !secondary_.came_free[at(facet)]) return std::min(seen, length / 2);
+    if (secondary_.at_start.empty() || secondary_.at_start[at(facet)] >= 0) return std::min(seen, length / 2);
     return std::min({seen, length / 4, anchoring_ ? length : std::max(length / 16, 4 * way())});
   }
   // Whether one part of a surface may lie behind another one.

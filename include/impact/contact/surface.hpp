@@ -29,7 +29,8 @@ struct ContactSurface {
   std::vector<double> X;      ///< [facet][node][dim] reference coordinates
   std::vector<double> length; ///< [facet] longest side
   std::vector<char> reversed; ///< [facet] of edges, 1: the cone of the mesh runs against the order of `local`
-  std::vector<char> came_free; ///< [facet] 1: it lay inside a body at the start; empty: none did
+  /// [facet] its number as the run began, -1: it lay inside a body; empty: none of them has changed.
+  std::vector<int> at_start;
 
   int count() const { return static_cast<int>(length.size()); }
 };
