@@ -147,6 +147,8 @@ void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<doub
       if (body_at(j) == body_at(i)) return false;
     return true;
   };
+  Constraint next = c; // deeper by as much as in the last step
+  next.gap -= constraints_->form().search().motion();
   double sum = 0;
   for (std::size_t i = 0; i < nodes; ++i)
     if (const int body = body_at(i); body < 0)
@@ -154,7 +156,7 @@ void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<doub
     else if (is_first_of_body(i))
       sum += push_on_body(c, body);
   for (std::size_t i = 0; i < nodes; ++i) {
-    const double stiffness = c.weight * method().stiffness(c) * sum;
+    const double stiffness = c.weight * method().stiffness(next) * sum;
     if (const int body = body_at(i); body < 0)
       for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += stiffness * size(i);
     else if (is_first_of_body(i))

@@ -141,7 +141,7 @@ double Constraints::jump(const ContactValues& u, const Constraint& c) const {
   const double* before = &left_->committed[parts_of_left * at(c.index)];
   if (before[of_gap] == unknown_gap) return c.gap - std::min(0.0, way_within_step(u, c));
   if (before[of_spring] == unknown_gap) return before[of_gap];
-  const double depth = std::sqrt(2 * std::abs(before[of_spring]) / (c.weight * law_->eps()));
+  const double depth = law_->depth(std::abs(before[of_spring]) / c.weight);
   if (before[of_spring] < 0) return std::min(before[of_gap], c.gap + depth); // it takes back what it lost
   return before[of_gap] + std::min(0.0, c.gap - before[of_gap] + depth + form_->search().motion());
 }
@@ -153,7 +153,9 @@ void Constraints::leave_jump(const ContactValues& u, Derivatives derivatives, Co
   if (step_.finds_jumps && derivatives != Derivatives::none) {
     if (c.gap < 0) {
       const auto spring = [&](double left) {
-        return c.weight * contact_potential(0, law_->eps(), c.gap - left);
+        Constraint pressed = c;
+        pressed.gap -= left;
+        return c.weight * law_->potential(pressed);
       };
       const double whole = std::min(0.0, std::max(c.gap, jump(u, c)));
       // What opens by itself is not pushed.

@@ -130,7 +130,8 @@ void add_penalties(ContactRows& rows) {
              "facet, with auglag "
              "more in steps far below h/c_p and less for a first touch; with central "
              "differences what the part of the stable step that "
-             "-ts_dt_cfl leaves, of 0.8 to 0.9, has room for: bodies enter each other, by a part of their "
+             "-ts_dt_cfl leaves, of 0.8 to 0.9, has room for (the log has it), twice as stiff where points "
+             "of two bodies press a tenth of a facet deep: bodies enter each other, by a part of their "
              "strain that finer cells make less; a stiffer one takes shorter steps by itself, and impulses "
              "(_enforce) let nothing in");
   row.number("penalty_increment", &Contact::penalty_increment, "N/m^3", or_auto(positive),

@@ -62,18 +62,22 @@ double ExplicitContact::frequency_at_work() {
   return most[0];
 }
 
+std::string ExplicitContact::penalties() const {
+  std::string text;
+  for (const ContactInterface& contact : motion_.contacts())
+    if (!contact.by_impulse())
+      text += text_of("%s%s %.3g", text.empty() ? "" : ", ", contact.id().c_str(), contact.penalty());
+  return text;
+}
+
 void ExplicitContact::tell_of_depth() const {
-  std::string penalties;
   bool exposed = false;
-  for (const ContactInterface& contact : motion_.contacts()) {
-    exposed = exposed || contact.settings().exposed;
-    penalties += text_of("%s%s %.3g", penalties.empty() ? "" : ", ", contact.id().c_str(), contact.penalty());
-  }
+  for (const ContactInterface& contact : motion_.contacts()) exposed = exposed || contact.settings().exposed;
   check(PetscPrintf(
       motion_.discretisation().mesh.comm(),
       "impact: WARNING: a contact is as deep as surfaces are seen in each other, half of a facet%s; "
       "what goes deeper passes through: take a larger -contact_<id>_penalty (now %s)%s\n",
-      exposed ? ", a sixteenth of one that came free as cells left" : "", penalties.c_str(),
+      exposed ? ", a sixteenth of one that came free as cells left" : "", penalties().c_str(),
       exposed ? "" : " or -contact_<id>_enforce impulse"));
 }
 

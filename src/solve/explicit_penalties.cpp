@@ -105,7 +105,8 @@ void ExplicitContact::add_load_on_obstacle(const ContactInterface& contact, cons
 // s^2)/dt^2 to the contacts. Shorter steps than 0.8 dt_e resolve that one better, and do not make it stiffer.
 // Where what meets compresses by much, at velocities V not far below that of sound, a penalty as stiff as the
 // cells would give way by more than the depth d that is seen: by V dt_e s^2/2(1 - s^2) (1 + V dt_e/d) under
-// the pressure of a shock whose speed grows by 1.5 V/2. `part_of_depth` is what it may.
+// the pressure of a shock whose speed grows by 1.5 V/2. `part_of_depth` is what it may. It stiffens at a
+// tenth of the distance of nodes, but no earlier than in what closes within a step.
 void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v) {
   ContactSet& contacts = motion_.contacts();
   const MPI_Comm comm = motion_.discretisation().mesh.comm();
@@ -128,10 +129,17 @@ void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const s
         !contact.rests_on_penalty()) {
       const double way = closing(contact, v) * longest_of_cells; // in depths
       const double give = way * s * s / (2 * (1 - s * s)) * (1 + way);
-      contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth));
+      contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth), soft_depth(contact, way));
     }
     ++c;
   }
+}
+
+// Obstacles are seen at any depth.
+double ExplicitContact::soft_depth(const ContactInterface& contact, double way) const {
+  if (contact.settings().rigid()) return 0;
+  const double nodes = contact.constraints().mean_length() / motion_.discretisation().mesh.order();
+  return std::max(soft_part * nodes, way * contact.search().range());
 }
 
 void ExplicitContact::report_multipliers(Vec u) const {

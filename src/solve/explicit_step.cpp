@@ -116,6 +116,8 @@ std::string ExplicitStep::text(double asked) {
   std::string text =
       text_of("central differences: the stable step of the cells is %.4g, with contacts %.4g", dt,
               contacts_.frequency() > 0 ? 2 / std::sqrt(4 / (dt * dt) + contacts_.frequency()) : dt);
+  if (const std::string penalties = contacts_.penalties(); !penalties.empty())
+    text += "; penalty of " + penalties;
   if (settings_.scaled_step > 0) {
     const MassScaling& scaling = motion_.mass_scaling();
     text += text_of("; mass scaling adds %.4g kg to %d cells, %.3g of the mass of all bodies", scaling.added,

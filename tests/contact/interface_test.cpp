@@ -615,6 +615,27 @@ TEST(ContactInterface, PurePenaltyNeverChangesMultipliers) {
   EXPECT_NEAR(rig.contact.measures(u).force[1], 1.25, 1e-12);
 }
 
+// p = eps d (1 + d^2/s^2) and its energy eps (d^2/2 + d^4/4s^2), over a width of 1.25; its tangent by
+// differences of forces, and steps that press anew.
+TEST(ContactInterface, PenaltiesOfExplicitStepsStiffenWithTheirDepth) {
+  ContactSettings s = settings_of(100);
+  s.enforce = Enforcement::penalty;
+  s.method = ContactMethod::gauss_points;
+  s.iterated = false;
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_apart, s);
+  rig.contact.set_penalty(100, 0.02);
+  const auto law = [](double d) { return 100 * d * (1 + d * d / 4e-4); };
+  for (const double depth : {0.01, 0.02, 0.05}) {
+    const Handle<Vec> u = rig.at(sink(depth));
+    const ContactMeasures m = rig.contact.measures(u);
+    EXPECT_NEAR(m.force[1], 1.25 * law(depth), 1e-11) << depth;
+    EXPECT_NEAR(m.energy, 1.25 * 100 * depth * depth * (0.5 + depth * depth / 16e-4), 1e-12) << depth;
+    expect_force_of_the_energy(rig, u);
+  }
+  rig.contact.set_penalty(100, 0);
+  EXPECT_NEAR(rig.contact.measures(rig.at(sink(0.05))).force[1], 1.25 * 5, 1e-12);
+}
+
 TEST(ContactInterface, WorkAndImpulseOfAStepAreTrapezoidal) {
   ContactEnvironment environment;
   environment.thickness = 3;

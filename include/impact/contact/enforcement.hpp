@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <impact/contact/constraint.hpp>
 #include <impact/contact/settings.hpp>
 #include <impact/mesh/state_table.hpp>
@@ -24,7 +25,7 @@ struct EnforcementRows {
   StateRow* penalty;    ///< named components below
 
   /// Components of the row "penalty".
-  enum { value, last_gap, least, components };
+  enum { value, last_gap, least, stiffens_at, components };
   double eps() const { return std::max(penalty->trial[value], penalty->trial[least]); }
   /// Whether any multiplier does. Collective.
   bool press_anywhere(MPI_Comm comm) const;
@@ -81,6 +82,8 @@ public:
   virtual double stiffness(const Constraint& /*c*/) const { return eps(); }
   /// Stored energy per reference area.
   virtual double potential(const Constraint& c) const;
+  /// The depth in which a spring stores as much, without multipliers.
+  virtual double depth(double potential) const { return std::sqrt(2 * potential / eps()); }
 
   /// Stress per slip of a sticking constraint.
   virtual double slip_weight() const { return eps(); }

@@ -149,10 +149,14 @@ public:
   /// Energy that the contact gives where multipliers that stay let go: their pressure ends at an opening by
   /// it over the penalty. Collective.
   double held_by_multipliers(Vec u) const;
-  /// The penalty at hand, and another one from here on.
+  /// The penalty at hand, and another one from here on, of explicit steps; at the depth `stiffens_at` its
+  /// pressure is twice that of a linear one, 0: never.
   double penalty() const { return method().eps(); }
-  void set_penalty(double penalty) {
-    rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] = penalty;
+  void set_penalty(double penalty, double stiffens_at) {
+    for (std::vector<double>* half : {&rows_.penalty->committed, &rows_.penalty->trial}) {
+      (*half)[EnforcementRows::value] = penalty;
+      (*half)[EnforcementRows::stiffens_at] = stiffens_at;
+    }
   }
 
   /// Beginning of an attempt that ends at t: where the rigid body's motion is taken. The committed row `u`

@@ -14,12 +14,16 @@ public:
   /// Of the depth at which facets are seen, by which the sides of a contact may approach each other in a step
   /// and a penalty may give way.
   static constexpr double part_of_depth = 0.2;
+  /// Part of the distance of nodes in which an automatic penalty becomes twice as stiff.
+  static constexpr double soft_part = 0.1;
 
   explicit ExplicitContact(MotionProblem& motion);
 
   /// Automatic penalties where cells allow steps of this length, of which `cfl` is used, and the nodes have
   /// the velocities v. Those that a state of another scheme rests on stay. Collective.
   void set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v);
+  /// Ids of contacts and their penalties; empty where none presses by one.
+  std::string penalties() const;
   /// Says what energy contacts give that go on from the multipliers of another scheme. Collective.
   void report_multipliers(Vec u) const;
   /// Largest quotient of the velocity at which the sides of a contact approach each other and the depth at
@@ -61,6 +65,7 @@ private:
     double largest() const;
   };
   double closing(const ContactInterface& contact, const std::vector<double>& v) const;
+  double soft_depth(const ContactInterface& contact, double way) const;
   Loads no_loads() const;
   Loads loads(const ContactInterface& contact);
   void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
