@@ -85,7 +85,7 @@ const Rows known = {
     {"damage_history", {Support::cell_point, 1}},
     {"contact_face_multiplier", {Support::facet_point, 1}}, // by the method, see multipliers
     {"contact_face_left", {Support::facet_point, 2}},       // likewise
-    {"contact_face_penalty", {Support::global, 3}},
+    {"contact_face_penalty", {Support::global, 4}},
     {"contact_face_totals", {Support::global, 10}},
     {"contact_face_carried", {Support::vertex, 2}},
     {"contact_face_force", {Support::vertex, 2}},
