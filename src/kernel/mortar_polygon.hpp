@@ -6,11 +6,9 @@
 
 /// The part of a secondary triangle that a projected primary triangle covers: a polygon on which the gap is
 /// linear, its integrals, and their derivatives by the places of the primary's corners (mortar_face.hpp).
-namespace impact {
+namespace impact::mortar {
 
-namespace { // included by mortar_face.cpp alone
-
-double real_part(double x) { return x; }
+inline double real_part(double x) { return x; }
 template <class B, int n> double real_part(const Dual<B, n>& x) { return real_part(x.v); }
 
 // A place on the secondary triangle (its second and third barycentric coordinate) and the gap there. `a`, the
@@ -30,7 +28,7 @@ template <class T> Place<T> project(const Vector3Of<T>& e1, const Vector3Of<T>& 
   return {dot(cross(d, e2), N) * inverse, dot(cross(e1, d), N) * inverse, dot(d, N) / sqrt(square)};
 }
 
-constexpr int border = -1;
+inline constexpr int border = -1;
 
 template <class T> struct Polygon {
   std::array<Place<T>, 10> place;
@@ -62,7 +60,7 @@ template <class T, class Inside> Polygon<T> cut(const Polygon<T>& polygon, Insid
 
 // Corners of a primary triangle in the order in which it runs around with the secondary one; side s from the
 // s-th.
-constexpr std::array<std::size_t, 3> around = {0, 2, 1};
+inline constexpr std::array<std::size_t, 3> around = {0, 2, 1};
 
 // The part of the secondary triangle that a projected primary triangle covers. It runs against the secondary:
 // its corners come the other way round.
@@ -83,7 +81,7 @@ template <class T> T twice_area(const Place<T>& p, const Place<T>& q, const Plac
   return (q.b - p.b) * (r.c - p.c) - (q.c - p.c) * (r.b - p.b);
 }
 
-double part_of(const Polygon<double>& polygon) {
+inline double part_of(const Polygon<double>& polygon) {
   double part = 0;
   for (std::size_t i = 1; i + 1 < polygon.count; ++i)
     part += twice_area(polygon.place[0], polygon.place[i], polygon.place[i + 1]);
@@ -167,6 +165,4 @@ std::array<std::array<T, 9>, 3> gap_derivatives(const std::array<Place<T>, 3>& q
   return D;
 }
 
-} // namespace
-
-} // namespace impact
+} // namespace impact::mortar

@@ -21,8 +21,7 @@ using TangentRows = std::array<std::array<double, nodes>, dim - 1>;
 template <std::size_t nodes> struct Opening { std::array<double, nodes> D{}, M{}; };
 template <std::size_t dim, std::size_t nodes> using FacetNodes = std::array<std::array<double, dim>, nodes>;
 
-/// Rows whose tangents at the reference nodes X are unit vectors at right angles, from those of the natural
-/// directions: derivatives of the shape functions at the place.
+/// Rows whose tangents at X are unit vectors at right angles, from derivatives of the shape functions.
 template <std::size_t dim, std::size_t nodes>
 TangentRows<dim, nodes> tangent_rows(const FacetNodes<dim, nodes>& X, const TangentRows<dim, nodes>& natural);
 
@@ -73,8 +72,7 @@ void add_slip_hessian(const FacetNodes<dim, nodes>& x, const FacetNodes<dim, nod
                       const TangentRows<dim, nodes>& rows, const std::array<Opening<nodes>, dim>& opening,
                       std::span<double> hessian);
 
-/// Unit vectors at right angles to n: of the x axis where it is not too near n, else of the y axis, and
-/// across.
+/// Unit vectors at right angles to n: of the x axis, or of y where that is near n, and across.
 std::array<Vector3, 2> tangents_of(const Vector3& n);
 /// The directions of a straight face, at the middle of a quadrilateral, in the reference configuration.
 struct FaceMap {
@@ -82,8 +80,7 @@ struct FaceMap {
   std::array<Vector3, 2> axis{}; ///< of the tangents
   Vector3 normal{};              ///< outward
 };
-/// X: corners, a triangle repeats its third.
-FaceMap make_face_map(const FacetNodes<3, 4>& X);
+FaceMap make_face_map(const FacetNodes<3, 4>& X); ///< of corners, of which a triangle repeats its third
 /// Components [of t][of axis] of a node's tangents in a face: the vectors t, at right angles to n, once n is
 /// turned to the face's normal the shortest way.
 std::array<std::array<double, 2>, 2> turned_into(const FaceMap& face, const Vector3& n,
