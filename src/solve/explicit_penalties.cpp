@@ -9,6 +9,18 @@
 /// How stiff the penalties of explicit steps may be, and how long steps may be for them.
 namespace impact {
 
+namespace {
+
+// Where an automatic penalty is twice as stiff, if the sides close by the part `way` of what they see within
+// a step. Obstacles are seen at any depth.
+double soft_depth(const ContactInterface& contact, int order, double way) {
+  constexpr double part = 0.1; // of the distance of nodes
+  if (contact.settings().rigid()) return 0;
+  return std::max(part * contact.constraints().mean_length() / order, way * contact.search().range());
+}
+
+} // namespace
+
 void ExplicitContact::Loads::add(const Loads& other, double factor) {
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] += factor * other.nodes[i];
   for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b] += factor * other.bodies[b];
@@ -117,6 +129,7 @@ void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const s
     if (contact.settings().automatic_penalty && !contact.by_impulse()) total.add(each.back(), 1);
   }
   const double s = std::clamp(cfl, 0.8, 0.9), dt = s * longest_of_cells, budget = 4 * (1 - s * s) / (dt * dt);
+  const int order = motion_.discretisation().mesh.order();
   std::size_t c = 0;
   for (ContactInterface& contact : contacts) {
     double largest = 0;
@@ -129,17 +142,11 @@ void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const s
         !contact.rests_on_penalty()) {
       const double way = closing(contact, v) * longest_of_cells; // in depths
       const double give = way * s * s / (2 * (1 - s * s)) * (1 + way);
-      contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth), soft_depth(contact, way));
+      contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth),
+                          soft_depth(contact, order, way));
     }
     ++c;
   }
-}
-
-// Obstacles are seen at any depth.
-double ExplicitContact::soft_depth(const ContactInterface& contact, double way) const {
-  if (contact.settings().rigid()) return 0;
-  const double nodes = contact.constraints().mean_length() / motion_.discretisation().mesh.order();
-  return std::max(soft_part * nodes, way * contact.search().range());
 }
 
 void ExplicitContact::report_multipliers(Vec u) const {

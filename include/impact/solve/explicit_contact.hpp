@@ -14,8 +14,6 @@ public:
   /// Of the depth at which facets are seen, by which the sides of a contact may approach each other in a step
   /// and a penalty may give way.
   static constexpr double part_of_depth = 0.2;
-  /// Part of the distance of nodes in which an automatic penalty becomes twice as stiff.
-  static constexpr double soft_part = 0.1;
 
   explicit ExplicitContact(MotionProblem& motion);
 
@@ -29,8 +27,7 @@ public:
   /// Largest quotient of the velocity at which the sides of a contact approach each other and the depth at
   /// which its facets are seen: at the start, by the velocities v of the nodes. Collective.
   double closing(const std::vector<double>& v) const;
-  /// The same over the step dt that the contacts have been updated for, by the ways of both sides. Not
-  /// collective.
+  /// The same over the step dt that contacts have been updated for, by their ways. Not collective.
   double closing_in(double dt) const;
   /// Square of the frequency of a whole surface on its penalties that meets one like it, 0 without any.
   /// Collective when called first, and after an exposure.
@@ -65,7 +62,6 @@ private:
     double largest() const;
   };
   double closing(const ContactInterface& contact, const std::vector<double>& v) const;
-  double soft_depth(const ContactInterface& contact, double way) const;
   Loads no_loads() const;
   Loads loads(const ContactInterface& contact);
   void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
