@@ -145,6 +145,7 @@ private:
       for (std::size_t a = 0; a < 4; ++a) of_half[a][a] = 1;
       for (std::size_t c = 0; c < at(cut_.corners); ++c) {
         part.vertex[c] = number(vertices[at(corners[c])]);
+        part.place[c] = fine.place[at(corners[c])];
         if (c >= fine.of_corners.front().size()) continue; // a triangle
         const Numbers& weight = fine.of_corners[at(corners[c])];
         std::copy(weight.begin(), weight.end(), part.of_half[c].begin());
@@ -212,6 +213,20 @@ FacetParts wide_triangle(int stored) {
 }
 
 } // namespace
+
+std::array<double, 9> FacetParts::bulge(const Part& part, const std::array<double, 4>& weight) const {
+  Place x{};
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t k = 0; k < 2; ++k) x[k] += weight[c] * part.place[c][k];
+  const bool wide_triangle = nodes > 6 && sides == 3;
+  const Numbers N = shape_at(wide_triangle ? 6 : nodes, x);
+  std::array<double, 9> sum{};
+  for (std::size_t a = 0; a < N.size(); ++a) sum[wide_triangle ? at(slot_of_triangle[a]) : a] = N[a];
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t a = 0; weight[c] != 0 && a < at(nodes); ++a)
+      sum[a] -= weight[c] * vertex[at(part.vertex[c])][a];
+  return sum;
+}
 
 FacetCuts::FacetCuts(int stored) : cuts_{cut_facet(stored), {}} {
   if (stored > 6) cuts_[1] = wide_triangle(stored);

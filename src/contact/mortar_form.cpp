@@ -16,6 +16,7 @@ constexpr double least_covered = 1e-6;
 void MortarForm::release() {
   std::fill(switches_.begin(), switches_.end(), Switches());
   for (Facet& facet : facets_) facet.changes = {};
+  for (Node& node : owned_) node.bulged = false;
 }
 
 NodePairs MortarForm::couplings() const {
@@ -151,7 +152,7 @@ void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
     if (std::abs(cover) <= least_cover * owner.weight) continue;
     c.slides = slip_nodes(owner, place_of);
     gradient.resize(d * node.size(), 0.0);
-    c.gap /= c.weight;
+    c.gap = c.gap / c.weight + owner.bulge;
     c.stretch = area / c.weight;
     c.cover = std::abs(cover) / owner.weight;
     c.node = node;

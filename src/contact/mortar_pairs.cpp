@@ -149,6 +149,8 @@ PairSearch::Outcome MortarForm::update(Vec u, const ConstraintFilter& presses) {
     // Candidates have other numbers now: what faced is forgotten, and the caller solves again anyway.
     facing_ = std::move(next);
     choose_functions(facing_, x);
+    for (Node& node : owned_) node.bulged = false;
+    bulge(moved, x, presses);
     return outcome;
   }
   for (std::size_t f = 0; f < facets_.size(); ++f)
@@ -171,6 +173,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const ConstraintFilter& presses) {
   for (int f : choose_functions(facing_, x))
     for (int owned : facets_[at(f)].owned)
       switched_ = switched_ || (owned >= 0 && active(owned_[at(owned)], moved, presses, facing_));
+  bulge(moved, x, presses);
   return outcome;
 }
 
@@ -184,7 +187,7 @@ bool MortarForm::active(const Node& node, const ContactValues& u, const Constrai
       covered = covered || pair.covered;
       gap += pair.gap[at(incident.corner)];
     }
-  return covered && presses(node.local, gap / node.weight);
+  return covered && presses(node.local, gap / node.weight + node.bulge);
 }
 
 void MortarForm::visit_overlaps(const ContactValues& of_nodes, const OverlapVisitor& visitor) const {

@@ -155,7 +155,7 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
         const auto found = mine.find(nodes[at(part.node[at(a)])]);
         if (found == mine.end()) continue;
         const auto [place, is_new] = number.try_emplace(found->first, static_cast<int>(owned_.size()));
-        if (is_new) owned_.push_back({found->second, found->first, 0, {}, 0});
+        if (is_new) owned_.push_back({found->second, found->first, 0, {}, 0, 0, {}, false});
         owned_[at(place->second)].facets.push_back({static_cast<int>(facets_.size()), a});
         facet.owned[at(a)] = place->second;
       }

@@ -150,6 +150,32 @@ MortarWeights mortar_weights(const FaceCorners& x, const FaceCorners& p, const M
   return weights;
 }
 
+void visit_covered(const FaceCorners& x, const FaceCorners& p, const MortarFace& face,
+                   const PieceVisitor& visitor) {
+  visit_triangles(x, p, [&](const TrianglePair& m) {
+    const Polygon<double> polygon = covered_polygon(m.places);
+    const Point3 across = cross(minus(m.s[1], m.s[0]), minus(m.s[2], m.s[0]));
+    const double length = std::sqrt(dot(across, across));
+    for (std::size_t k = 1; k + 1 < polygon.count; ++k) {
+      const Places corner = {polygon.place[0], polygon.place[k], polygon.place[k + 1]};
+      CoveredPiece t;
+      t.area = face.area[m.i] * twice_area(corner[0], corner[1], corner[2]);
+      for (std::size_t c = 0; c < 3; ++c) t.normal[c] = across[c] / length;
+      for (std::size_t v = 0; v < 3; ++v) {
+        const std::array<double, 3> L = {1 - corner[v].b - corner[v].c, corner[v].b, corner[v].c},
+                                    l = barycentric(m.places, corner[v]);
+        for (std::size_t u = 0; u < 3; ++u)
+          for (std::size_t a = 0; a < 4; ++a) {
+            t.secondary[v][a] += L[u] * m.ws[u][a];
+            t.primary[v][a] += l[u] * m.wp[u][a];
+            t.phi[v][a] += L[u] * m.function(face, a, u);
+          }
+      }
+      visitor(t);
+    }
+  });
+}
+
 bool corner_gap(const FaceCorners& x, int corner, const FaceCorners& p, double& gap) {
   // The corner is the first one of the triangle with its number, or a corner of the only one.
   const bool triangle = corners_of(x) == 3;

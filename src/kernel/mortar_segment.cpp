@@ -86,33 +86,47 @@ bool add_mortar_hessian(const EdgeCorners& x, const EdgeCorners& p, const Mortar
   return true;
 }
 
-MortarWeights mortar_weights(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge) {
-  MortarWeights w;
+void visit_covered(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                   const PieceVisitor& visitor) {
   const CoveredPart<double> part = covered_part(x, p);
-  w.covered = part.end > part.begin;
-  if (!w.covered) return w;
+  if (!(part.end > part.begin)) return;
   const Point2<double> t = detail::minus(x[1], x[0]);
-  const double square = detail::dot(t, t);
   // Place on the secondary edge of the primary's nodes: the primary's coordinate is linear in it.
   const auto place = [&](const Point2<double>& y) {
-    return 2 * detail::dot(detail::minus(y, x[0]), t) / square - 1;
+    return 2 * detail::dot(detail::minus(y, x[0]), t) / detail::dot(t, t) - 1;
   };
   const double at0 = place(p[0]), at1 = place(p[1]);
-  for (const double s : {-0.57735026918962576, 0.57735026918962576}) {
-    const double xi = (part.begin + part.end) / 2 + s * (part.end - part.begin) / 2;
+  CoveredPiece piece;
+  piece.area = edge.length / 2 * (part.end - part.begin);
+  piece.normal = facet_normal(x);
+  for (std::size_t v = 0; v < 2; ++v) {
+    const double xi = v == 0 ? part.begin : part.end, on_primary = (xi - at0) / (at1 - at0);
     const std::array<double, 2> N = {(1 - xi) / 2, (1 + xi) / 2};
-    const double weight =
-        edge.length / 4 * (part.end - part.begin) * (edge.ring[0] * N[0] + edge.ring[1] * N[1]);
-    const double on_primary = (xi - at0) / (at1 - at0);
-    const std::array<double, 2> Np = {1 - on_primary, on_primary};
-    for (std::size_t a = 0; a < 2; ++a) {
-      const double f = edge.phi[a][0] * N[0] + edge.phi[a][1] * N[1];
-      for (std::size_t b = 0; b < 2; ++b) {
-        w.D[a][b] += weight * f * N[b];
-        w.M[a][b] += weight * f * Np[b];
-      }
-    }
+    std::copy(N.begin(), N.end(), piece.secondary[v].begin());
+    piece.primary[v] = {1 - on_primary, on_primary, 0, 0};
+    piece.ring[v] = edge.ring[0] * N[0] + edge.ring[1] * N[1];
+    for (std::size_t a = 0; a < 2; ++a) piece.phi[v][a] = edge.phi[a][0] * N[0] + edge.phi[a][1] * N[1];
   }
+  visitor(piece);
+}
+
+MortarWeights mortar_weights(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge) {
+  MortarWeights w;
+  visit_covered(x, p, edge, [&](const CoveredPiece& piece) {
+    w.covered = true;
+    for (const double s : {-0.57735026918962576, 0.57735026918962576}) {
+      const std::array<double, 2> at = {(1 - s) / 2, (1 + s) / 2};
+      const auto here = [&](const TriangleWeights& of, std::size_t b) {
+        return at[0] * of[0][b] + at[1] * of[1][b];
+      };
+      const double weight = piece.area / 2 * (at[0] * piece.ring[0] + at[1] * piece.ring[1]);
+      for (std::size_t a = 0; a < 2; ++a)
+        for (std::size_t b = 0; b < 2; ++b) {
+          w.D[a][b] += weight * here(piece.phi, a) * here(piece.secondary, b);
+          w.M[a][b] += weight * here(piece.phi, a) * here(piece.primary, b);
+        }
+    }
+  });
   return w;
 }
 

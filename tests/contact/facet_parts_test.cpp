@@ -113,6 +113,37 @@ TEST(FacetParts, IntegrateDisplacementsAsTheShapeFunctionsDo) {
   is_exact<Quad9>(9, 0);
 }
 
+TEST(FacetParts, TheFacetOfSecondOrderLiesBeforeItsPartsByTheBulge) {
+  // Nodes on a paraboloid, at the places of the reference facet: a parabola along each side.
+  const auto height = [](const Place& x) {
+    return 0.3 * x[0] * x[0] - 0.2 * x[0] * x[1] + 0.7 * x[1] * x[1];
+  };
+  const std::vector<Place> triangle = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}},
+                           square = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
+                                     {1, 0},   {0, 1},  {-1, 0}, {0, 0}},
+                           edge = {{-1, 0}, {1, 0}, {0, 0}};
+  for (const std::vector<Place>* nodes : {&edge, &triangle, &square}) {
+    const FacetParts cut = cut_facet(static_cast<int>(nodes->size()));
+    for (const FacetParts::Part& part : cut.parts)
+      for (const std::array<double, 4>& weight :
+           {std::array<double, 4>{1, 0, 0, 0}, {0.3, 0.7, 0, 0}, {0.2, 0.5, 0.3, 0}}) {
+        if (cut.corners == 2 && weight[2] > 0) continue;
+        Place x{};
+        double straight = 0, bulge = 0;
+        for (std::size_t c = 0; c < 4; ++c) {
+          for (std::size_t k = 0; k < 2; ++k) x[k] += weight[c] * part.place[c][k];
+          const Numbers& vertex = cut.vertex[static_cast<std::size_t>(part.vertex[c])];
+          for (std::size_t a = 0; a < nodes->size(); ++a)
+            straight += weight[c] * vertex[a] * height((*nodes)[a]);
+        }
+        const std::array<double, 9> of_nodes = cut.bulge(part, weight);
+        for (std::size_t a = 0; a < nodes->size(); ++a) bulge += of_nodes[a] * height((*nodes)[a]);
+        EXPECT_NEAR(bulge, height(x) - straight, 1e-14) << nodes->size();
+        EXPECT_NEAR(std::accumulate(of_nodes.begin(), of_nodes.end(), 0.0), 0, 1e-14);
+      }
+  }
+}
+
 TEST(FacetParts, VerticesAndFunctionsSumToOne) {
   for (const int stored : {2, 3, 4, 6, 8, 9}) {
     const FacetParts cut = cut_facet(stored);

@@ -287,6 +287,33 @@ TEST(MortarFace, PartsOfFacesThatTileTheSecondarySumToOne) {
   EXPECT_FALSE(corner_gap(flat, 2, far, gap));
 }
 
+TEST(MortarFace, PiecesOfWhatIsCoveredHaveTheIntegralsOfTheWeights) {
+  std::mt19937 random(5);
+  for (const auto& [corners, primary_corners] : kinds)
+    for (int trial = 0; trial < 10; ++trial) {
+      const Pair pair = random_pair(random, corners, primary_corners, trial % 2 == 1);
+      const MortarWeights w = mortar_weights(pair.x, pair.p, pair.face);
+      MortarWeights sum;
+      visit_covered(pair.x, pair.p, pair.face, [&](const CoveredPiece& piece) {
+        EXPECT_NEAR(dot(piece.normal, piece.normal), 1, 1e-14);
+        // Products of linear functions over a triangle: 1/6 and 1/12 of its area.
+        for (std::size_t v = 0; v < 3; ++v)
+          for (std::size_t u = 0; u < 3; ++u)
+            for (std::size_t a = 0; a < 4; ++a)
+              for (std::size_t b = 0; b < 4; ++b) {
+                const double part = piece.area / (u == v ? 6 : 12) * piece.phi[v][a];
+                sum.D[a][b] += part * piece.secondary[u][b];
+                sum.M[a][b] += part * piece.primary[u][b];
+              }
+      });
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b < 4; ++b) {
+          EXPECT_NEAR(sum.D[a][b], w.D[a][b], 1e-13);
+          EXPECT_NEAR(sum.M[a][b], w.M[a][b], 1e-13);
+        }
+    }
+}
+
 TEST(MortarFace, WeightsHaveEqualSumsAndOpenAlongTheNormalByTheWeightedGap) {
   std::mt19937 random(1);
   for (const auto& [corners, primary_corners] : kinds)

@@ -23,6 +23,7 @@ struct FacetParts {
     std::array<int, 4> node = {-1, -1, -1, -1}; ///< [r], -1: none
     std::array<std::array<double, 4>, 4> function{};
     std::array<std::array<double, 4>, 4> of_half{}; ///< its corners as sums over those of the half
+    std::array<std::array<double, 2>, 4> place{};   ///< of its corners in the facet of second order
   };
   int nodes = 0;   ///< stored per facet
   int corners = 0; ///< stored per part: 2 or 4
@@ -31,6 +32,10 @@ struct FacetParts {
   std::vector<std::vector<double>> vertex;
   std::vector<Part> parts;              ///< half by half
   std::vector<std::array<int, 4>> half; ///< vertices
+
+  /// Where the facet of second order is at the part's place sum_c at[c] corner_c, less where the part is, as
+  /// a sum over the nodes.
+  std::array<double, 9> bulge(const Part& part, const std::array<double, 4>& at) const;
 
   int parts_of_half() const { return static_cast<int>(parts.size() / half.size()); }
 };

@@ -14,7 +14,8 @@
 /// cover counts zero. Against a rigid body the gap is its distance, integrated by points on the secondary
 /// facets: exact for a plane. Facets of second order are cut into straight ones (facet_parts.hpp), with a
 /// constraint for each of their nodes: facets and candidates below are those parts. Which primary facets a
-/// secondary facet faces, and which functions Phi are dual, is chosen by update and stays fixed in between.
+/// secondary facet faces, and which functions Phi are dual, is chosen by update and stays fixed in between;
+/// so does by how much curved facets lie before their parts (mortar_bulge.cpp).
 namespace impact {
 
 class MortarForm : public ContactForm {
@@ -76,6 +77,9 @@ private:
     int slot = 0; // in nodes()
     std::vector<Incident> facets;
     double weight = 0;
+    double bulge = 0;    // its gap for curved facets less that for their parts,
+    Switches bulges;     // which changes in an attempt,
+    bool bulged = false; // and is known
   };
   // What lay opposite a facet at the start of the step. Weights of edges are over those of their nodes.
   struct Anchor {
@@ -177,6 +181,11 @@ private:
   std::vector<int> choose_functions(const Facing& facing, const ContactValues& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   std::array<double, 4> of_functions(int facet, const std::array<double, 4>& of_corners) const;
+  // Adds int Phi_a (g - g_parts) over what the candidate covers, g the gap of the facets of second order.
+  void add_bulge(int facet, int candidate, const ContactValues& x, std::array<double, 4>& sum) const;
+  // Takes the curved facets for the gaps as they are now: in an attempt at first, then where that changes
+  // gaps.
+  void bulge(const ContactValues& u, const ContactValues& x, const ConstraintFilter& presses);
   // Whether the node is active with these pairs.
   bool active(const Node& node, const ContactValues& u, const ConstraintFilter& presses,
               const Facing& facing) const;

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 #include <impact/math/vector3.hpp>
 #include <span>
 
@@ -85,5 +86,17 @@ struct MortarWeights {
   std::array<std::array<double, 4>, 4> D{}, M{};
 };
 MortarWeights mortar_weights(const FaceCorners& x, const FaceCorners& p, const MortarFace& face);
+
+/// A triangle of that part (of an edge: an interval, with two corners), in which the places on both sides are
+/// linear: [its corner][corner of the facet], as sums over the corners of the secondary and the primary one.
+struct CoveredPiece {
+  double area = 0;                               ///< reference area, without what `ring` has of it
+  std::array<double, 3> ring = {1, 1, 1};        ///< at its corners (MortarEdge)
+  TriangleWeights secondary{}, primary{}, phi{}; ///< phi: [its corner][a], Phi_a
+  Point3 normal{};                               ///< of the secondary facet there
+};
+using PieceVisitor = std::function<void(const CoveredPiece&)>;
+void visit_covered(const FaceCorners& x, const FaceCorners& p, const MortarFace& face,
+                   const PieceVisitor& visitor);
 
 } // namespace impact

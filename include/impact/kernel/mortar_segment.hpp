@@ -90,5 +90,7 @@ MortarPair mortar_pair(const EdgeCorners& x, const EdgeCorners& p, const MortarE
 bool add_mortar_hessian(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
                         const std::array<double, 4>& factor, std::span<double> hessian);
 MortarWeights mortar_weights(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge);
+void visit_covered(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                   const PieceVisitor& visitor);
 
 } // namespace impact
