@@ -135,7 +135,8 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
     taken += contact.obstacle_work + contact.obstacle_shock - contact.friction_loss;
   }
   if (strikes) sum(contact_loss) += taken;
-  const double sprung = springs_apart_ && step.first ? std::min(taken, 0.0) : 0;
+  // What augmented penalties hold at the start, as stiff as they happen to be, is no energy of the bodies.
+  const double sprung = springs_apart_ && step.first ? std::min(taken, sum(contact_store)) : 0;
   sum(start_energy) -= sprung;
   if (!inertia_) sum(gap_work) += taken - sprung;
   sum(contact_store) = store;
