@@ -229,10 +229,12 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
     // Francfort, Marigo 2008, 8.1).
     const bool halves = d.mesh.order() == 2;
     const double narrowest = extent.narrowest / d.mesh.order(), widest = extent.widest / d.mesh.order();
-    check(PetscPrintf(
-        comm, "material %s: gamma is %.3g to %.3g %s wide; a crack along the narrowest takes %.3g Gc\n",
-        m.id.c_str(), p.gamma / widest, p.gamma / narrowest, halves ? "half cells" : "cells",
-        1 + regularisation(p).broken() * narrowest / p.gamma));
+    const double row = regularisation(p).broken() * narrowest / p.gamma;
+    check(PetscPrintf(comm,
+                      "material %s: gamma is %.3g to %.3g %s wide; a crack along the narrowest takes %.3g "
+                      "Gc, on a plane of symmetry %.3g Gc\n",
+                      m.id.c_str(), p.gamma / widest, p.gamma / narrowest, halves ? "half cells" : "cells",
+                      1 + row, 1 + 2 * row)); // there a row is half of what is broken
     // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
     if (p.gamma < 2 * (1 - 1e-6) * narrowest)
       check(PetscPrintf(comm,
