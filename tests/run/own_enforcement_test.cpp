@@ -1,23 +1,23 @@
 #include "../contact/contact_rig.hpp"
 #include "../input/options_scope.hpp"
 #include "../mesh/small_mesh.hpp"
-#include "stiffening_penalty.hpp"
+#include "exponential_penalty.hpp"
 #include <impact/run/simulation.hpp>
 
 namespace impact::contact_test {
 namespace {
 
-ContactSettings stiffening(double penalty, double depth) {
+ContactSettings exponential(double penalty, double scale) {
   ContactSettings s = settings_of(penalty);
-  s.own_enforcement = [depth](const ContactSettings& settings, const EnforcementRows& rows) {
-    return std::make_unique<StiffeningPenalty>(settings, rows, depth);
+  s.own_enforcement = [scale](const ContactSettings& settings, const EnforcementRows& rows) {
+    return std::make_unique<ExponentialPenalty>(settings, rows, scale);
   };
   return s;
 }
 
 TEST(OwnEnforcement, ForceIsTheDerivativeOfItsEnergyAndTheTangentThatOfTheForce) {
   for (const ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar}) {
-    ContactSettings s = stiffening(100, 0.02);
+    ContactSettings s = exponential(100, 0.02);
     s.method = method;
     Rig rig(PETSC_COMM_WORLD, hill(), bodies_mixed, s);
     const Handle<Vec> u = rig.at(crush);
@@ -62,8 +62,8 @@ double impulse_of(const std::string& mesh, const ContactSettings& asked) {
 TEST(OwnEnforcement, RunsSteps) {
   const std::string mesh = run_test::fresh_dir("own_enforcement") + "/mesh.msh";
   on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(mesh) << run_test::two_bodies(4); });
-  const double linear = impulse_of(mesh, {}), stiff = impulse_of(mesh, stiffening(1e3, 1e-3)),
-               nearly_linear = impulse_of(mesh, stiffening(1e3, 1e3));
+  const double linear = impulse_of(mesh, {}), stiff = impulse_of(mesh, exponential(1e3, 1e-3)),
+               nearly_linear = impulse_of(mesh, exponential(1e3, 1e6));
   EXPECT_GT(linear, 0);
   EXPECT_GT(stiff, 1.01 * linear);
   EXPECT_NEAR(nearly_linear, linear, 1e-8 * linear);
