@@ -2,13 +2,14 @@
 comparison of ranks on more; ASCII and binary .msh give the same bits; a file that cannot be used ends with one clear message."""
 # labels: run
 # timeout: 240
-# processors: 3
+# long: 300
+# processors: 1
 import os
 import shutil
 import subprocess
 
 from _histories import difference
-from _runs import ENVIRONMENT, PROGRAM, TWO_BLOCKS, check, cores, finish, mesh, option_file, require, run
+from _runs import ENVIRONMENT, PROGRAM, TWO_BLOCKS, check, cores, finish, long, mesh, option_file, require, run
 
 SHORT = {"ts_max_steps": 8, "outputs": "none"}
 LU = {"motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
@@ -113,7 +114,7 @@ REFUSED = [
 for wrong, code, words in REFUSED:
     options = {**PLANE, **wrong}
     command = [PROGRAM, "-output_dir", "refused"] + [word for key, value in options.items() for word in ("-" + key, str(value))]
-    for ranks in (1, 2, 3):
+    for ranks in (1, 2, 3) if long() else (2,):
         with cores(ranks):
             done = subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + command, capture_output=True, text=True,
                                   env=ENVIRONMENT, timeout=60)
