@@ -80,9 +80,10 @@ for steps, restart in ((44, "none"), (400, "auto")):
     again = arch("again", ts_max_steps=steps, restart=restart, output_overwrite="off", **COARSE)[0]
 runs.require("arch: a restart on the way back changes no bit", all(numpy.array_equal(whole[c], again[c], equal_nan=True) for c in whole.history))
 for name, ranks, more in (("tried", 1, {"test_restep": 1}), ("two", 2, {})):
-    other = arch(name, ranks=ranks, **more, **COARSE)[0]
+    other = arch(name, ranks=ranks, **more, **COARSE, **({} if runs.long() else {"ts_max_steps": 30}))[0]
     for column in ("load_parameter", "mean_load_uy", "energy_elastic"):
-        runs.check(f"arch, {name}: {column} over its largest", abs(other[column] - whole[column]).max() / abs(whole[column]).max(), 0, 1e-6, relative=False)
+        apart = abs(other[column] - whole[column][:len(other["time"])]).max()
+        runs.check(f"arch, {name}: {column} over its largest", apart / abs(whole[column]).max(), 0, 1e-6, relative=False)
 given, crown, _ = arch("given", bc_load_type="displacement", bc_load_uy="0 - 100*t", **COARSE)
 runs.check("arch, crown moved downwards: it comes back by", crown[-1] - crown.max(), way[:, 1].min() - way[-1, 1], 0.01)
 runs.check("arch, crown moved downwards: largest reaction", -given["reaction_load_y"].min(), force.max(), 1e-3)

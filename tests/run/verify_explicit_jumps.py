@@ -109,7 +109,8 @@ r = run("slide_impulse", {**SLIDE, "contact_face_enforce": "impulse", "energy_st
 check_between("by impulses: the deepest place, in facets", r["contact_face_gap_min"].min(), -0.08, -1e-3)
 require("what contact gave is told, and what helps", "exchange the sides of the contact" in r.log)
 if long():
-    exchanged = run("slide_exchanged", {**SLIDE, "contact_face_enforce": "impulse", "contact_face_secondary": "pad_bottom", "contact_face_primary": "plate_top"})
+    exchanged = run("slide_exchanged", {**SLIDE, "contact_face_enforce": "impulse", "contact_face_secondary": "pad_bottom",
+                                        "contact_face_primary": "plate_top"})
     check("with the sides exchanged", exchanged["momentum_pad_x"][-1] / exchanged["momentum_pad_x"][0], 1, 5e-3)
     check_between("which gives nothing", exchanged["dissipated_contact"].min(), 0, 1e-9)
 

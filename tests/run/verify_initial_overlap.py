@@ -86,7 +86,8 @@ for order in (1, 2):
         across = run(f"across_{order}_{method}", {**ROD, "order": order, "contact_wall_method": method}, code=3)
         require(f"a plane across a rod of order {order} is refused, {method}", "`top` overlaps `plane` by 1.8 at (0, 1)" in across.log)
 
-DISCS = {"mesh_set_gap": -0.04, "contact_face_initial_tol": "0.05 mm", "mesh_set_offset": 3, "ts_max_time": "4 us" if long() else "2 us", "output_vis_dt": 1, "contact_face_initial": "adjust",
+DISCS = {"mesh_set_gap": -0.04, "contact_face_initial_tol": "0.05 mm", "mesh_set_offset": 3, "ts_max_time": "4 us" if long() else "2 us",
+         "output_vis_dt": 1, "contact_face_initial": "adjust",
          "checkpoint_every": 10, "motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
          "motion_pc_factor_mat_solver_type": "mumps"}
 discs = run("discs", DISCS, files=[option_file("discs.opts")])

@@ -59,9 +59,9 @@ for steps, restart in ((BACK, "none"), (16, "auto")):
 runs.require("bar: a restart in the snap-back changes no bit", len(again["time"]) == len(whole["time"]) == 17 and all(
     numpy.array_equal(whole[c], again[c], equal_nan=True) for c in whole.history))
 for name, ranks, more, most in (("tried", 1, {"test_restep": 1}, 1e-8), ("two", 2, {}, 1e-8)):
-    other = pulled(name, LONG, ranks=ranks, **{**PATH, "ts_max_time": 3.2}, **more)[0]
+    other = pulled(name, LONG, ranks=ranks, **{**PATH, "ts_max_time": 3.2 if runs.long() else 2.6}, **more)[0]
     for column in ("load_parameter", "reaction_x_x", "energy_fracture"):
-        runs.check(f"bar, {name}: {column} over its largest", abs(other[column] - whole[column]).max() / abs(whole[column]).max(), 0,
+        runs.check(f"bar, {name}: {column} over its largest", abs(other[column] - whole[column][:len(other["time"])]).max() / abs(whole[column]).max(), 0,
                    most, relative=False)
 
 # A load that grows otherwise than t is the same path; by t^2 passes took the load to and fro without end.

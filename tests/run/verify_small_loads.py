@@ -1,4 +1,5 @@
 # labels: run
+# long: 200
 """Receding contact (J. Dundurs, M. Stippes, J. Appl. Mech. 37 (1970) 965): what touches under a load does so at any size of the load,
 and all else is in proportion. A strip on a plane, pressed over its middle, lifts its long ends; three blocks with gaps between them,
 held by contact alone, close them, also where they are four facets wide. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E. Rings of any size deform in SI units as they should."""
