@@ -58,7 +58,7 @@ def nearest(unknowns, u, load, way):
     return unknowns
 
 
-run, load, u = arch("arch", **({} if runs.long() else {"mesh_set_n": 180}))
+run, load, u = arch("arch")
 peak = load.argmax()
 runs.check("arch: the load that it bears, 897 by D. DaDeppo and R. Schmidt (1975)", load[peak], 897, 3e-3)
 runs.require(f"arch: {len(load) - 1} steps from nothing through the limit and back up to {load[-1]:.0f} N", load[-1] < 0.1 * load[peak])
@@ -80,7 +80,7 @@ for steps, restart in ((44, "none"), (400, "auto")):
     again = arch("again", ts_max_steps=steps, restart=restart, output_overwrite="off", **COARSE)[0]
 runs.require("arch: a restart on the way back changes no bit", all(numpy.array_equal(whole[c], again[c], equal_nan=True) for c in whole.history))
 for name, ranks, more in (("tried", 1, {"test_restep": 1}), ("two", 2, {})):
-    other = arch(name, ranks=ranks, **more, **COARSE, **({} if runs.long() else {"ts_max_steps": 30}))[0]
+    other = arch(name, ranks=ranks, **more, **COARSE, **({} if runs.long() else {"ts_max_steps": 20}))[0]
     for column in ("load_parameter", "mean_load_uy", "energy_elastic"):
         apart = abs(other[column] - whole[column][:len(other["time"])]).max()
         runs.check(f"arch, {name}: {column} over its largest", apart / abs(whole[column]).max(), 0, 1e-6, relative=False)

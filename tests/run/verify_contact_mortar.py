@@ -66,27 +66,28 @@ for factor in (0.1, 10, 100) if long() else (100,):
     uniform(f"semismooth, {factor} times the automatic penalty", r, 1e-8)
     check_between("Newton iterations", r["newton"][-1], 3, 12)
 
-print("equal bars, undamped Newmark with the stabilised update")
-L, MODULUS, RHO, V, WIDTH = 0.1, 70e9, 2800.0, 2.0, 1e-3
-C = (MODULUS / RHO) ** 0.5
-PLATEAU = RHO * C * V / 2 * WIDTH
-MOMENTUM = RHO * L * WIDTH * V
-r = run("bars", {**MORTAR, "ts_newmark_rho": 1, "mesh_set_gap": 1e-2, "output_vis_every": 100000},
-        files=[option_file("bars_impact.opts")])
-on = numpy.nonzero(r["contact_face_force_x"])[0]
-check("contact time 2 L/c", r["time"][on[-1]] - r["time"][on[0]], 2 * L / C, 0.02)
-start = 1e-5 / V
-middle = (r["time"] > start + L / (2 * C)) & (r["time"] < start + 3 * L / (2 * C))
-check("plateau rho c v A / 2, largest excursion", abs(-r["contact_face_force_x"][middle] / PLATEAU - 1).max(), 0, 0.02,
-      relative=False)
-total = r["momentum_striker_x"] + r["momentum_target_x"]
-check("change of the total momentum, relative", abs(total / MOMENTUM - 1).max(), 0, 1e-10, relative=False)
-check("velocity of the target", r["momentum_target_x"][-1] / MOMENTUM, 1, 0.01)
-energy = r["energy_kinetic"] + r["energy_elastic"]
-check_between("largest energy over the energy at the start", energy.max() / energy[0], 0.97, 1 + 1e-9)
-check_between("energy at the end over the energy at the start", energy[-1] / energy[0], 0.97, 1)
-check_between("mean Newton iterations per step", r["newton"][1:].mean(), 0.5, 2.5)
-check_between("Uzawa passes of a step", r["uzawa"].max(), 1, 1)
+if long():
+    print("equal bars, undamped Newmark with the stabilised update")
+    L, MODULUS, RHO, V, WIDTH = 0.1, 70e9, 2800.0, 2.0, 1e-3
+    C = (MODULUS / RHO) ** 0.5
+    PLATEAU = RHO * C * V / 2 * WIDTH
+    MOMENTUM = RHO * L * WIDTH * V
+    r = run("bars", {**MORTAR, "ts_newmark_rho": 1, "mesh_set_gap": 1e-2, "output_vis_every": 100000},
+            files=[option_file("bars_impact.opts")])
+    on = numpy.nonzero(r["contact_face_force_x"])[0]
+    check("contact time 2 L/c", r["time"][on[-1]] - r["time"][on[0]], 2 * L / C, 0.02)
+    start = 1e-5 / V
+    middle = (r["time"] > start + L / (2 * C)) & (r["time"] < start + 3 * L / (2 * C))
+    check("plateau rho c v A / 2, largest excursion", abs(-r["contact_face_force_x"][middle] / PLATEAU - 1).max(), 0, 0.02,
+          relative=False)
+    total = r["momentum_striker_x"] + r["momentum_target_x"]
+    check("change of the total momentum, relative", abs(total / MOMENTUM - 1).max(), 0, 1e-10, relative=False)
+    check("velocity of the target", r["momentum_target_x"][-1] / MOMENTUM, 1, 0.01)
+    energy = r["energy_kinetic"] + r["energy_elastic"]
+    check_between("largest energy over the energy at the start", energy.max() / energy[0], 0.97, 1 + 1e-9)
+    check_between("energy at the end over the energy at the start", energy[-1] / energy[0], 0.97, 1)
+    check_between("mean Newton iterations per step", r["newton"][1:].mean(), 0.5, 2.5)
+    check_between("Uzawa passes of a step", r["uzawa"].max(), 1, 1)
 
 print("a block dropped on a clamped one, 60 steps")
 DROP = {
