@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 180
-# long: 200
 """What a contact must not depend on: the angle of the whole set-up, which side is the secondary one, on which rank each
 body lies, the convergence criterion in use while nothing touches yet, and a step in which a body flies deep into the
 other one."""

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 120
-# long: 200
 """Static bodies that contact alone holds (src/theory.md (H1) to (H3)): a round body that touches a block in one point,
 pressed by a dead traction in one step, against Hertz; a stack under gravity with friction; a body above a small gap; a disc that may roll; a body
 that nothing holds is named. The hold stands in the matrix alone: forces balance to rounding, no work is missing."""

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 240
-# long: 200
 """Hertz's line contact, a cylinder pressed into a block (NAFEMS CGS-1): largest pressure, half width and profile of the
 closed form; the error falls with the cells; augmented Lagrangian finds the state of the semismooth method from a hundredth
 to a hundred times its penalty; half the facets do with cells of second order, by Gauss points and by mortar. Strains at the full load are up to a

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 300
-# long: 200
 # processors: 1
 """Rigid planes, spheres and cylinders with mass: the impact of a mass on a rod (Saint-Venant and Boussinesq), a plane as a
 meshed rigid box of the same mass, free rotation, friction that turns a disc, a ball in space on any ranks, a cylinder that

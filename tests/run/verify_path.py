@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 300
-# long: 300
 """Static steps that follow a crack by what it dissipates (theory.md, 10, (P1)-(P3)): a cohesive bar through its snap-back against
 the closed form, against displacement control where both exist; the first law over the path; restarts, ranks, refusals; the energy
 release rate by the domain integral against that of a strip."""

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 180
-# long: 200
 """A surface in contact with itself: a ring under outside pressure buckles and folds (options/ring.opts) until its
 opposite sides touch, at 5.247 EI/R^3 (Flaherty, Keller and Rubinow 1972) as the ring gets thin; it closes, opens and
 closes again, turned by 90 degrees, on two ranks, and from a checkpoint."""
