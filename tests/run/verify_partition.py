@@ -1,7 +1,7 @@
 """On 4 and 8 ranks the fullest rank has at most 1.15 times the mean of the cells and 1.15 times the mean of the secondary facets of
 contacts, whose ranks do its work (of whole ones: of 12 facets one of 8 ranks has 2), and linear solvers take at most 1.2 times the
 iterations of one rank: the beam on the wedge, once refined, and the sphere on a plane in space. Balanced in the facets of both sides,
-one of 2 ranks had all secondary ones. In the long form on 16 ranks too, and on four and eight times the cells."""
+one of 2 ranks had all secondary ones. In the long form both on 4, 8 and 16 ranks, and on four and eight times the cells."""
 # labels: run
 # timeout: 240
 # long: 900

@@ -1,7 +1,7 @@
 # labels: run
 # timeout: 240
 # long: 300
-"""The same histories on 1 to 3 ranks (long: 4) and with METIS and PTScotch: two blocks in contact by penalty and with
+"""The same histories on 1 to 3 ranks (long: 4, more cases) and with METIS and PTScotch: two blocks in contact by penalty and with
 multipliers, and the notched beam with plasticity and fracture."""
 from _histories import difference
 from _runs import TWO_BLOCKS, check, finish, long, option_file, require, run
