@@ -101,7 +101,7 @@ for dim, flown in FLIGHTS.items():
     turned_by = {"angle": 37, "tilt": -24 if dim == 3 else 0}
     turned_on = {"mesh": turned_mesh(spread, **turned_by)} if dim == 3 else {}
     for method, enforce in [("gpts", e) for e in (ENFORCEMENTS if long() else ("semismooth",)[dim - 2:])] + [
-            ("mortar", e) for e in (("auglag", "semismooth") if long() else ("auglag",))]:
+            ("mortar", e) for e in (("auglag", "semismooth") if long() else ("auglag",)[: dim - 2])]:
         case, name = (dim, method, enforce), f"{dim}D, {method}, {enforce}"
         straight = flight(case, "straight", extra=flown)
         touches_and_keeps_momentum(name, straight)

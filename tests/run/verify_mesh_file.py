@@ -46,6 +46,8 @@ for case, (options, files) in CASES.items():
     whole = run(f"{case}_msh", options, files=files, refused=None)
     again = run(f"{case}_h5", stored, files=files, refused=None)
     require(f"{case}: the same bits on one rank", len(rows(f"{case}_msh")) > 3 and rows(f"{case}_msh") == rows(f"{case}_h5"))
+    if case in ("plane", "ball") and not long():
+        continue
     ranks = 3 if case == "space" else 2
     other = run(f"{case}_h5_{ranks}", stored, files=files, ranks=ranks, refused=None)
     worst, where = difference(whole.history, other.history)
