@@ -1,4 +1,5 @@
 # labels: run
+# long: 120
 """The corner of a cantilever that a wedge of another mesh, or a round rigid body, lifts against friction: the wedge's face has the only normal there, so
 that the force is Coulomb's, F_x/F_y = tan(angle + atan mu), by mortar and Gauss points, in the plane and in space; the work of friction
 is that of the force along the face."""
