@@ -212,6 +212,8 @@ for scheme, steps in [*SCHEMES.items(), *SECOND.items()]:
     # (82''') takes the mean of both ends of a step, which misses where slip turns round in it.
     require(f"{scheme}: friction turns a part of the energy into heat, and gives none but what a step misses",
             whole["dissipated_friction"][-1] > 0.02 * whole["energy_kinetic"][0] and rate.min() >= -1e-3 * whole["energy_kinetic"][0])
+    if scheme == "implicit" and not long():  # verify_erosion_friction goes on with such a run
+        continue
     half_of = int(whole["step"][-1]) // 2
     run(f"halves_{scheme}", {**chain, "ts_max_steps": half_of})
     halves = run(f"halves_{scheme}", {**chain, "restart": "auto"})
