@@ -1,6 +1,6 @@
 # labels: run
 # timeout: 600
-# long: 200
+# long: 300
 """Coulomb friction: a block that slides on a rigid plane stops after v^2/(2 mu g) and
 stays, by Gauss points and mortar and by each enforcement, on cells of first and of second order, and on a round rigid
 body that is almost a plane; on a slope it stays below mu and slides above with g (sin - mu cos); what is lost goes into

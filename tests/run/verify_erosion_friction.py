@@ -1,6 +1,6 @@
 # labels: run
 # timeout: 120
-# long: 200
+# long: 300
 """Friction in runs in which cells may leave: a pad that sticks stays where it is, by explicit and implicit steps, whether cells leave
 elsewhere or none does, and the sheet has the energy of its springs; restart among leaving cells, ranks, repeated steps."""
 import numpy

@@ -1,6 +1,6 @@
 # labels: run
 # timeout: 300
-# long: 200
+# long: 300
 # processors: 1
 """Meshed rigid bodies: a free top against Euler's equations, free flight, a block that falls on a held rigid body and on a
 rigid plane, an elastic block on a free rigid one, two equal rigid masses, a punch with prescribed motion; momenta, energies,
