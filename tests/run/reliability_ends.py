@@ -17,7 +17,7 @@ from _reliability import (BOTH, command, crashed, family_of, finish_within, kill
                           run_within, start, wait_for, with_mesh)
 from _runs import check, finish, long, require
 
-COUNT = int(os.environ.get("IMPACT_COUNT", 150 if long() else 8))  # of each family
+COUNT = int(os.environ.get("IMPACT_COUNT", 150 if long() else 6))  # of each family
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))
 random.seed(seed)
 print(f"     IMPACT_SEED={seed}")

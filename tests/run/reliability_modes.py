@@ -9,4 +9,4 @@ from _modes import conclude, exercise, scripts
 QUICK = ("verify_contact_gates", "verify_substeps")
 paths = [path for path in scripts() if os.path.basename(path)[:-3] in QUICK]
 assert len(paths) == len(QUICK), paths
-conclude(exercise(paths, ("recover", "restep", "repartition"), most=1))
+conclude(exercise(paths, ("recover", "restep", "repartition"), most=1, in_turn=True))

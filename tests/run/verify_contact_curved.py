@@ -56,7 +56,7 @@ def patch(name, dim, cells, angle=0, extra=None):
 print("facets within each other's")
 for kind, dim, cells, shape in (("simplices", 2, (6, 3), {}), ("simplices", 3, (4, 2), {}), ("boxes", 2, (6, 3), BOXES),
                                 ("boxes", 3, (4, 2), BOXES), ("serendipity", 3, (2, 1), {**BOXES, "mesh_serendipity": 1})):
-    for angle, (enforce, extra) in list(zip((0, 33, 33), ENFORCEMENTS.items()))[0 if long() or kind == "simplices" else 2:]:
+    for angle, (enforce, extra) in list(zip((0, 33, 33), ENFORCEMENTS.items()))[0 if long() or (kind, dim) == ("simplices", 2) else 2:]:
         (low, high), stress = patch(f"{kind}_{dim}_{enforce}", dim, cells, angle,
                                     {"contact_face_enforce": enforce, **extra, **shape})
         name, soft = f"{dim}D, {kind}, {enforce}, angle {angle}", extra == STIFF
@@ -69,7 +69,7 @@ for kind, dim, cells, shape in (("simplices", 2, (6, 3), {}), ("simplices", 3, (
               relative=False)
 print("others, by the automatic penalty")
 for kind, dim, cells, most, shape in (("simplices", 2, (5, 4), 0.05, {}), ("simplices", 3, (3, 2), 0.05, {}),
-                                      ("boxes", 2, (5, 4), 0.05, BOXES), ("boxes", 3, (3, 2), 0.05, BOXES)):
+                                      ("boxes", 2, (5, 4), 0.05, BOXES), ("boxes", 3, (3, 2), 0.05, BOXES))[:: 1 if long() else 3]:
     (low, high), stress = patch(f"{kind}_{dim}_others", dim, cells, 0, {"contact_face_enforce": "penalty", **shape})
     print(f"     {dim}D: pressures {low:.4f} to {high:.4f}, stress {min(stress):.4f} to {max(stress):.4f}")
     check(f"{dim}D, {kind}: largest deviation of the stress", max(abs(p - 1) for p in stress), 0, most, relative=False)
@@ -79,7 +79,7 @@ SERENDIPITY = {**BOXES, "mesh_serendipity": 1}
 for kind, dim, cells, shape in (("simplices", 2, (5, 4), {}), ("boxes", 2, (5, 4), BOXES), ("simplices", 3, (3, 2), {}),
                                 ("boxes", 3, (3, 2), BOXES), ("serendipity", 3, (3, 2), SERENDIPITY),
                                 ("tetrahedra on boxes", 3, (3, 2), {"mesh_set_simplices_lower": 0}),
-                                ("boxes on tetrahedra, serendipity", 3, (3, 2), {"mesh_set_simplices_upper": 0, "mesh_serendipity": 1})):
+                                ("boxes on tetrahedra, serendipity", 3, (3, 2), {"mesh_set_simplices_upper": 0, "mesh_serendipity": 1}))[:: 1 if long() else 3]:
     for angle, functions, enforce in ((0, "standard", "semismooth"),
                                       (33, "dual", "auglag" if kind == "simplices" else "semismooth"))[0 if long() else 1:]:
         (low, high), stress = patch(f"mortar_{kind}_{dim}_{functions}_{enforce}".replace(", ", "_").replace(" ", "_"), dim, cells, angle, {
@@ -100,18 +100,18 @@ FLIGHTS[3] = {"mesh": spread, "ts_max_time": 0.1}
 for dim, flown in FLIGHTS.items():
     turned_by = {"angle": 37, "tilt": -24 if dim == 3 else 0}
     turned_on = {"mesh": turned_mesh(spread, **turned_by)} if dim == 3 else {}
-    for method, enforce in [("gpts", e) for e in (ENFORCEMENTS if long() else ("semismooth",))] + [
-            ("mortar", e) for e in (("auglag", "semismooth") if long() else ("auglag",))]:
+    for method, enforce in [("gpts", e) for e in (ENFORCEMENTS if long() else ("semismooth",)[dim - 2:])] + [
+            ("mortar", e) for e in (("auglag", "semismooth") if long() else ("auglag",)[: dim - 2])]:
         case, name = (dim, method, enforce), f"{dim}D, {method}, {enforce}"
         straight = flight(case, "straight", extra=flown)
         touches_and_keeps_momentum(name, straight)
         turned = flight(case, "turned", **turned_by, ranks=2,
                         extra={**flown, **turned_on, "petscpartitioner_type": "simple"})
         same(f"{name}, turned, each body on its own rank", straight, turned, 1e-10)
-    parts = {**flown, "checkpoint_every": 10, "ts_max_time": 0.06}
+    parts = {**flown, "checkpoint_every": 10, "ts_max_time": 0.06 if dim == 2 or long() else 0.04}
     case = (dim, "gpts" if dim == 2 else "mortar", "auglag")
     whole = flight(case, "whole", extra=parts)
-    for ranks in (1, 2):
+    for ranks in (1, 2) if dim == 2 or long() else (1,):
         flight(case, f"cut_{ranks}", extra={**parts, "ts_max_steps": 10})
         again = flight(case, f"cut_{ranks}", extra={**parts, "restart": "auto"}, ranks=ranks)
         worst, where = difference(whole.history, again.history, exact=ranks == 1)
@@ -134,7 +134,7 @@ subprocess.run(["gmsh", "-v", "1", "-3", "-order", "2", "-format", "msh22", mesh
                 *[word for key, value in {"dim": 3, "n_lower": 2, "n_upper": 2, "gap": 0.0213, "inset": 0.07,
                                           "simplices_lower": 0, "simplices_upper": 1}.items()
                   for word in ("-setnumber", key, str(value))]], check=True)
-for enforce in ("auglag", "semismooth") if long() else ("semismooth",):
+for enforce in ("auglag", "semismooth") if long() else ():
     name = f"3D, tetrahedra on hexahedra, mortar, {enforce}"
     straight = flight((3, "mortar", enforce), "mixed", extra=mixed)
     touches_and_keeps_momentum(name, straight)

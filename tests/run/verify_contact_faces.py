@@ -48,8 +48,9 @@ def uniform(name, r, tolerance):
 
 
 print(f"closed form: lateral stretch {STRETCH:.8f}, pressure {PRESSURE:.8g}")
+CHOSEN = {"standard": slice(1, 3), "dual": slice(3, 5)}
 for space in ("standard", "dual"):
-    for lower, upper, angle in (("3", "2", 0), ("3", "2t", 0), ("3t", "4", 0), ("2t", "3t", 33), ("3", "4", 33))[0 if long() or space == "standard" else 3:]:
+    for lower, upper, angle in (("3", "2", 0), ("3", "2t", 0), ("3t", "4", 0), ("2t", "3t", 33), ("3", "4", 33))[slice(None) if long() else CHOSEN[space]]:
         r = run(f"{space}_{lower}_{upper}_{angle}", {**patch(lower, upper, angle), "contact_face_multipliers": space})
         uniform(f"{space}, angle {angle}, {lower} on {upper} facets along a side (t: triangles)", r, 1e-8)
         check_between("tries of the step", r["tries"].max(), 1, 1)
@@ -60,7 +61,7 @@ uniform("augmented Lagrangian", r, 1e-8)
 r = run("penalty", {**patch("3", "2"), "contact_face_enforce": "penalty"})
 uniform("penalty, which is soft", r, 2e-2)
 check("penalty: minus the smallest gap is p / eps", -r["contact_face_gap_min"][-1] * PENALTY / PRESSURE, 1, 0.05)
-for factor in (0.1, 10, 100):
+for factor in (0.1, 10, 100) if long() else (100,):
     r = run(f"factor_{factor}", {**patch("3", "2"), "contact_face_penalty": factor * PENALTY,
                                  "contact_face_penalty_max": 1e15})
     uniform(f"semismooth, {factor} times the automatic penalty", r, 1e-8)
@@ -88,9 +89,9 @@ check_between("energy at the end over the energy at the start", energy[-1] / ene
 check_between("tries of a step", r["tries"].max(), 1, 1)
 check_between("mean Newton iterations per step", r["newton"][1:].mean(), 1, 4)
 for ranks in (2, 3) if long() else (2,):
-    other = run(f"flight_{ranks}", FLIGHT, ranks=ranks)
+    other = run(f"flight_{ranks}", FLIGHT if long() else {**FLIGHT, "ts_max_time": 0.1}, ranks=ranks)
     scale = {c: numpy.nanmax(abs(r[c])) for c in ("contact_face_gap_min", "contact_face_pressure_max", "energy_elastic")}
-    worst = {c: numpy.nanmax(abs(r[c] - other[c])) / s for c, s in scale.items()}
+    worst = {c: numpy.nanmax(abs(r[c][:len(other[c])] - other[c])) / s for c, s in scale.items()}
     column = max(worst, key=worst.get)
     check(f"{ranks} ranks against 1, worst column {column}", worst[column], 0, 1e-8, relative=False)
 print("Gauss points")

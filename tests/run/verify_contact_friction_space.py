@@ -105,12 +105,12 @@ SLAB = {
     "contact_face_friction": MU, "ts_dt": STEP, "ts_max_time": 0.28, "ts_newmark_rho": RHO_INFINITY,
     "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u", "measure_place_of": "mean",
 }
-SLABS = {"dual, hexahedra": {"contact_face_multipliers": "dual"},
-         "hexahedra of second order, mortar": {"order": 2, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1}}
+SLABS = {"dual, hexahedra": {"contact_face_multipliers": "dual"}}
 if LONG:
     # Augmentations leave energy in proportion to their tolerance (theory.md, Uzawa).
     CLOSE = {**POINTS, "contact_face_pressure_tol": 1e-5}
-    SLABS |= {"tetrahedra of second order": {"order": 2, **CLOSE, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1},
+    SLABS |= {"hexahedra of second order, mortar": {"order": 2, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1},
+              "tetrahedra of second order": {"order": 2, **CLOSE, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1},
               "standard, tetrahedra": {"contact_face_multipliers": "standard", "mesh_set_simplices_upper": 1},
               "hexahedra of second order": {"order": 2, **CLOSE, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1},
               "serendipity": {"order": 2, **CLOSE, "mesh_serendipity": 1}}
@@ -149,7 +149,7 @@ whole = run("whole", SHORT)
 for ranks in (2, 4) if LONG else (3,):
     other = run(f"ranks_{ranks}", {**SHORT, "ts_max_time": 0.048}, ranks=ranks)
     agree(f"{ranks} ranks against 1", {c: whole[c][:len(other["time"])] for c in COLUMNS}, other, 1e-8)
-for ranks in (1, 2) if LONG else (2,):
+for ranks in (1, 2) if LONG else (1,):
     run(f"cut_{ranks}", {**SHORT, "ts_max_time": 0.048})
     resumed = run(f"cut_{ranks}", {**SHORT, "restart": "auto"}, ranks=ranks)
     require("the run was resumed", "resumed from" in resumed.log)

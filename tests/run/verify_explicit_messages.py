@@ -1,12 +1,13 @@
 # labels: run
 # timeout: 60
+# long: 120
 """Messages and reductions of an explicit step on two ranks, as PETSc counts them (-log_view): the displacement to the ghosts, one
 message of forces back, one reduction for the cells and one for the ledger, beside what is asked for now and then; how often
 contact with friction finds forces."""
 import collections
 import csv
 
-from _runs import check_between, finish, mesh, run
+from _runs import check_between, finish, long, mesh, run
 
 E = {"material_solid_E": 1e6, "material_solid_nu": 0.3, "material_solid_rho": 1000}
 BODY = {"ts_type": "central_difference", "mesh": mesh("block.geo"), "mesh_set_n": 20, "materials": "solid", **E,
@@ -40,7 +41,7 @@ def counted(name, options, steps):
 # Signals are asked for in each sixteenth step, and cells for their stable step after 1 to 64: 0.06 and 0.02 of a step.
 # Friction: forces, energies, and what the next step starts from.
 for name, more, *counts in (("elastic", {}, 2, 2, 0), ("j2", {**J2, **HELD}, 2, 2, 0), ("weight", {**J2, **WEIGHT}, 3, 4, 0),
-                            ("slides", {**J2, **WEIGHT, **SLIDES}, 8.5, 7, 3)):
+                            ("slides", {**J2, **WEIGHT, **SLIDES}, 8.5, 7, 3))[:: 1 if long() else 3]:
     few, many = counted(name, {**BODY, **more}, 100), counted(name, {**BODY, **more}, 420)
     for what, before, after, most in zip(("messages to the neighbour", "reductions", "contact forces"), few, many, counts):
         check_between(f"{name}: {what} of a step", (after - before) / 320, most, most + 0.1)

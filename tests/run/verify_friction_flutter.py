@@ -1,11 +1,12 @@
 # labels: run
 # timeout: 240
+# long: 240
 # processors: 1
 """An elastic layer that slides on a rough rigid plane takes up vibrations by Coulomb's law at any speed: explicit steps show the
 growth that the eigenvalues of the semi-discrete layer have, which are found here without the program. A strip that is drawn over
 such a plane slips by the shear lag of statics once it has the viscosity that a run without asks for at its end."""
 import numpy
-from _runs import check, check_between, finish, mesh, require, run
+from _runs import check, check_between, finish, long, mesh, require, run
 
 E, RHO, MU = 1e4, 1e-9, 0.3  # MPa, t/mm^3; Poisson's ratio 0, plane stress, height 1 mm
 LAYER = {"units": "mm_t_s_MPa", "plane": "stress", "mesh": mesh("block.geo"), "mesh_set_ny": 1, "mesh_set_ly": 1,
@@ -80,6 +81,8 @@ r = run("strip_static", {**STRIP, "ts_type": "static", "ts_dt": 1e-4, "output_hi
 check("static steps: slip of the end, mm", r["mean_pull_ux"][-1], SLIP, 0.01)
 check("heat of friction, mJ", r["dissipated_friction"][-1], HEAT, 0.01)
 
+if not long():
+    finish()
 print("the same by implicit steps that resolve its height, twice the friction and the force: twice the slip, four times the heat")
 IMPLICIT = {**STRIP, "ts_type": "newmark", "ts_dt": 2e-6, "contact_base_friction": 2 * MU, "bc_pull_ux": f"30*{ramp(1e-3, 2e-3)}"}
 r = run("implicit", IMPLICIT, refused=None)

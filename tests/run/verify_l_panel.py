@@ -2,6 +2,7 @@
 # another length, and with one set of parameters a strength that falls with the size, less than that of a body with a long crack.
 # labels: run
 # timeout: 300
+# long: 200
 import math
 
 import _runs as runs
@@ -9,7 +10,7 @@ from fields import Fields
 
 MEASURED = 7219.0  # N
 peaks = {}
-for size, h, gamma, end in ((250, 12, 36, 0.2), (250, 8, 24, 0.2), (125, 6, 18, 0.12), (500, 12, 36, 0.3)):
+for size, h, gamma, end in ((250, 12, 36, 0.2), (250, 8, 24, 0.2), (125, 6, 18, 0.12), (500, 12, 36, 0.3))[: 4 if runs.long() else 3]:
     run = runs.run(f"l_{size}_{gamma}", {"mesh_set_size": size, "mesh_set_h": h, "material_panel_gamma": gamma, "ts_dt": end / 20,
                                          "ts_max_time": end, "output_vis_times": end}, files=[runs.option_file("l_panel.opts")])
     force = run["reaction_lift_y"]
@@ -17,7 +18,7 @@ for size, h, gamma, end in ((250, 12, 36, 0.2), (250, 8, 24, 0.2), (125, 6, 18, 
     peaks[size, gamma] = force.max()
 runs.check("largest load beside that of the test", peaks[250, 24], MEASURED, 0.05)
 runs.check("largest load with one and a half times the length", peaks[250, 36], peaks[250, 24], 0.03)
-for small, large in (((125, 18), (250, 36)), ((250, 36), (500, 36))):
+for small, large in (((125, 18), (250, 36)), ((250, 36), (500, 36)))[: 2 if runs.long() else 1]:
     power = -math.log(peaks[large] / peaks[small] / 2) / math.log(2)
     runs.check_between(f"fall of the nominal strength from size {small[0]} to {large[0]}: power of the size", power, 0.2, 0.5)
 fields = Fields("l_250_24/vis.xdmf")

@@ -1,5 +1,6 @@
 # labels: run
 # timeout: 120
+# long: 200
 """-log_view tells where the time of a run goes: each event that options/README.md explains is met, on one rank and on two; the
 events of the steps add up to nearly all of their time; a search that looks too far shows in its event; what ends a run early
 leaves no scope open; tools/measure_messages.py counts what ranks send."""
@@ -8,7 +9,7 @@ import re
 import subprocess
 import sys
 
-from _runs import BREAKING_BLOCKS, ENVIRONMENT, PROGRAM, SOURCE, TWO_BLOCKS, check_between, finish, option_file, require, run
+from _runs import BREAKING_BLOCKS, ENVIRONMENT, PROGRAM, SOURCE, TWO_BLOCKS, check_between, finish, long, option_file, require, run
 
 ALL = {**BREAKING_BLOCKS, "contact_face_conductance": 1e5, "ts_max_time": 0.03, "checkpoint_every": 8,
        **{f"material_{body}_{key}": value for body in ("lower", "upper")
@@ -44,7 +45,7 @@ with open(f"{SOURCE}/src/petsc/log.cpp") as file:
     names = set(re.findall(r'"(\w+)"', re.search(r"event_names = \{(.*?)\};", file.read(), re.S)[1]))
 require(f"the page names the {len(names)} events, but for {sorted(names - told)}", names <= told)
 
-for ranks in (1, 2):
+for ranks in (1, 2) if long() else (2,):
     resumed = {**ALL, "restart": f"all_{ranks}/checkpoints/checkpoint_000001.h5", "ts_max_time": 0.034}
     read = {k: v for k, v in ALL.items() if not k.startswith("mesh_set_")}
     logs = (log(f"all_{ranks}", ALL, ranks=ranks), log(f"resumed_{ranks}", resumed, ranks=ranks),

@@ -2,10 +2,11 @@
 on two. They ran to their end before, with status 0 and a wrong answer."""
 # labels: run
 # timeout: 120
+# long: 200
 import os
 import subprocess
 
-from _runs import ENVIRONMENT, PROGRAM, check, cores, finish, require, run
+from _runs import ENVIRONMENT, PROGRAM, check, cores, finish, long, require, run
 
 
 def write_mesh(name, left=0.0, inner=False):
@@ -203,6 +204,11 @@ ROWS = [
 ]
 
 
+if not long():  # of rows that are alike one in three
+    ALIKE = [row for row in ROWS if row[0].startswith(("unknown: ", "without effect: ", "no value of PETSc's: "))]
+    ROWS = [row for row in ROWS if row not in ALIKE] + ALIKE[::3]
+
+
 def start(options, ranks):
     words = options if isinstance(options, list) else start_words(options)
     command = (["mpirun", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + words + ["-output_dir", "out"]
@@ -259,14 +265,14 @@ require("an output folder that cannot be made", folder.returncode == 4 and '-out
 # Sides that share nodes: around a sharp tip nothing strikes (it "overlapped" there), across a notch they meet.
 for dim, space in ((2, False), (3, True)):
     CORNER = more(without(PULL, "bc_push"), contacts="c", contact_c_secondary="left", contact_c_primary="right", material_solid_nu=0, outputs="none")
-    for method in ("auto", "gpts", "mortar"):
+    for method in ("auto", "gpts", "mortar") if dim == 2 or long() else ("auto",):
         r = run(f"tip{dim}{method}", more(CORNER, mesh=write_wedge("tip.geo", space=space), bcs="hold", contact_c_method=method, ts_dt=1))
         said = [line for line in r.log.splitlines() if "adjoin" in line]
         require(f"around a tip, {dim}D, {method}: told once with nodes and remedy",
                 len(said) == 1 and f"share {2 if space else 1} node" in said[0] and "(1, 1" in said[0] and "Give each its own nodes" in said[0])
         check(f"around a tip, {dim}D, {method}: force", abs(r["contact_c_force_x"][-1]), 0, 0, relative=False)
 NOTCH = more(CORNER, mesh=write_wedge("notch.geo", n=12, notch=True), bcs="hold,push", bc_push_on="ls,rs", bc_push_ux="0.2*t*(1-x)*y", ts_dt=0.2)
-for ranks in (1, 2):
+for ranks in (1, 2) if long() else (2,):
     r = run(f"notch{ranks}", NOTCH, ranks=ranks)
     require(f"a notch closes, {ranks} ranks: {r['contact_c_active'][-1]:.0f} places press", r["contact_c_active"][-1] > 5)
     check(f"a notch closes, {ranks} ranks: overlap", min(r["contact_c_gap_min"][-1], 0), 0, 1e-4, relative=False)
@@ -278,7 +284,7 @@ write("tool.geo", "Point(1)={0,0,0};Point(2)={1,0,0};Point(3)={1,0.1,0};Point(4)
       'Physical Surface("plate")={1};Physical Surface("tool")={2};Physical Curve("top")={3};Physical Curve("bottom")={1};Physical Curve("foot")={5,6};\n')
 TOOL = more(without(PULL, "bc_push"), mesh="tool.geo", material_solid_region="plate,tool", bcs="hold", contacts="c", contact_c_secondary="foot",
             contact_c_primary="top", contact_c_initial="adjust", contact_c_initial_tol=0.2)
-for ranks in (1, 2):
+for ranks in (1, 2) if long() else (1,):
     code, lines = start(TOOL, ranks)
     require(f"moves that a mesh has no room for, {ranks} ranks: status {code}, {lines[-1]}", code == 3 and sum(
         "-contact_c_initial adjust: moves 7 nodes of `foot` by up to 0.07215, more than" in line for line in lines) == 1)

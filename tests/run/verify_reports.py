@@ -3,9 +3,10 @@ what it prints or are not. An option of ours that a file gives was an error when
 head of the log had no groups, masses, gaps, and "as the options say" for the solver."""
 # labels: run
 # timeout: 120
+# long: 200
 import subprocess
 
-from _runs import ENVIRONMENT, PROGRAM, check, finish, mesh, require, run
+from _runs import ENVIRONMENT, PROGRAM, check, finish, long, mesh, require, run
 
 BLOCKS = {
     "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 2, "mesh_set_n_upper": 2, "mesh_set_gap": 0.01, "materials": "lower,upper",
@@ -130,7 +131,7 @@ one, two = (run(f"between_{ranks}", BETWEEN, ranks=ranks) for ranks in (1, 2))
 for name in "abc":
     check(f"stress at a point between cells, {name}: on two ranks", two[f"probe_{name}_stress_yy"][-1], one[f"probe_{name}_stress_yy"][-1], 1e-9)
 
-for name, ranks, more in (("points", 1, {}), ("points", 2, {}), ("points", 1, {"thickness": 50}), ("edge", 1, {}), ("edge", 2, {})):
+for name, ranks, more in (("points", 1, {"thickness": 50}), ("edge", 2, {}), ("points", 1, {}), ("points", 2, {}), ("edge", 1, {}))[: 5 if long() else 2]:
     r = run(f"{name}_{ranks}", {**FORCE, "mesh": f"{name}.geo", **more}, ranks=ranks)
     check(f"force on {name} {more}, {ranks} ranks: reaction along y", r["reaction_hold_y"][-1], 1000, 1e-8)
     check(f"force on {name} {more}, {ranks} ranks: reaction along x", r["reaction_hold_x"][-1], -300, 1e-8)

@@ -1,5 +1,6 @@
 # labels: run
 # timeout: 120
+# long: 200
 """Sub-steps of the damage equation (-damage_ts_dt) and of the heat balance (-heat_ts_dt). Without a rate they change nothing. With one, in a body whose
 strain is held, they are the same as steps of that length, and the error against a reference with short steps is of
 first order in the length of the sub-steps; in a body that is pulled, too. Heat: one step of even motion in sub-steps
@@ -44,7 +45,7 @@ for step in range(1, 5):
     runs.check(f"without a rate, step {step}: phi_max with 7 sub-steps and none", split["phi_max"][step],
                plain["phi_max"][step], 1e-10)
 same("without a rate, sub-steps and none", split, plain, 1e-10)
-held = {n: final(f"held_{n}", {**HELD, **RATE}, 1, n) for n in (20, 40, 80)}
+held = {n: final(f"held_{n}", {**HELD, **RATE}, 1, n) for n in ((20, 40, 80) if runs.long() else (40, 80))}
 whole = final("held_whole", {**HELD, **RATE}, 1)
 runs.check_between("held strain, what 80 sub-steps change of phi", held[80]["phi_max"][-1] - whole["phi_max"][-1],
                    0.01, 0.5)
@@ -60,7 +61,8 @@ runs.check("held strain with heat, 1 step in 40 sub-steps and 40 steps: energy_t
            5e-3)
 fine = final("held_reference", {**HELD, **RATE}, 1, 1280)
 runs.check_between("held strain, reference: largest phi, far from rest and from start", fine["phi_max"][-1], 0.2, 0.9)
-for a, b in ((20, 40), (40, 80)):
+PAIRS = ((20, 40), (40, 80)) if runs.long() else ((40, 80),)
+for a, b in PAIRS:
     error = [abs(held[n]["phi_max"][-1] - fine["phi_max"][-1]) for n in (a, b)]
     # The reference has an error of its own: 1/16 of that of 80 sub-steps.
     runs.check(f"held strain, order of the error from {a} to {b} sub-steps", math.log2(error[0] / error[1]), 1, 0.12,
@@ -76,9 +78,9 @@ exact = explicit("explicit_reference", 640, **SSP)
 runs.check("explicit, reference: phi over that of the equation", exact["phi_max"][-1] / fine["phi_max"][-1], 1, 5e-3)
 runs.check("explicit, reference: dissipated by damage over that of the equation", exact["dissipated_damage"][-1] / fine["dissipated_damage"][-1], 1, 1e-2)
 for name, method, order in (("euler", {}, 1), ("ssp", SSP, 2)):
-    errors = {n: abs(explicit(f"explicit_{name}_{n}", n, **method)["phi_max"][-1] - exact["phi_max"][-1]) for n in (40, 80, 160)}
+    errors = {n: abs(explicit(f"explicit_{name}_{n}", n, **method)["phi_max"][-1] - exact["phi_max"][-1]) for n in ((40, 80, 160) if runs.long() else (40, 80))}
     print(f"     {name}: errors of phi", {n: f"{error:.2e}" for n, error in errors.items()})
-    for a, b in ((40, 80), (80, 160)):
+    for a, b in ((40, 80), (80, 160)) if runs.long() else ((40, 80),):
         runs.check(f"explicit, {name}, order of the error from {a} to {b} steps", math.log2(errors[a] / errors[b]), order, 0.15, relative=False)
 one = explicit("explicit_one", 1, 1000)
 runs.check("explicit, one step in as many sub-steps as are stable", one["phi_max"][-1] / exact["phi_max"][-1], 1, 0.03)
@@ -97,9 +99,9 @@ for more, words in (({"material_solid_c": "inf"}, ["-damage_substeps", "material
     runs.require(f"{more}: {line}", all(word in line for word in words))
 
 # Pulled: motion and damage take turns, so that steps and sub-steps are shortened together.
-pulled = {n: final(f"pulled_{n}", {**PULLED, **RATE}, n, 4) for n in (20, 40, 80)}
+pulled = {n: final(f"pulled_{n}", {**PULLED, **RATE}, n, 4) for n in ((20, 40, 80) if runs.long() else (40, 80))}
 fine = final("pulled_reference", {**PULLED, **RATE}, 640)
-for a, b in ((20, 40), (40, 80)):
+for a, b in PAIRS:
     error = [abs(pulled[n]["phi_max"][-1] - fine["phi_max"][-1]) for n in (a, b)]
     runs.check(f"pulled, order of the error from {a} to {b} steps of 4 sub-steps", math.log2(error[0] / error[1]), 1,
                0.2, relative=False)
@@ -128,7 +130,7 @@ def same_heat(claim, options, steps, count, tolerance, columns=COLUMNS):
                        0.005, 20)
 
 
-for form, weight in (("entropy", 1), ("energy", 0.5)):
+for form, weight in (("entropy", 1), ("energy", 0.5))[0 if runs.long() else 1:]:
     same_heat(f"heat alone, {form} form, weight {weight}", {**HOT, **LOADS, "physics": "heat", "heat_form": form, "heat_theta": weight},
               2, 5, 1e-11)
 # An elastic body that is stretched evenly within the step cools as it does in short steps, and conducts meanwhile.
@@ -136,7 +138,8 @@ STRETCHED = {**HOT, "ts_type": "static", "material_solid_alpha_t": 2e-5, "bcs": 
              "bc_hold_uy": 0, "bc_warm_on": "left", "bc_warm_type": "temperature", "bc_warm_value": "298.15+5*t", "coupling_snes_atol": 1e-13}
 same_heat("stretched, entropy form", STRETCHED, 1, 8, 1e-10, ("probe_p_theta", "theta_max", "energy_thermal", "heat_supplied"))
 # In the energy form the stress is linear in time within a step; in short steps it follows the temperature too: 0.06 of 1.9 K.
-same_heat("stretched, energy form", {**STRETCHED, "heat_form": "energy"}, 1, 8, 3e-4, ("probe_p_theta",))
+if runs.long():
+    same_heat("stretched, energy form", {**STRETCHED, "heat_form": "energy"}, 1, 8, 3e-4, ("probe_p_theta",))
 # Flow, softening, damage, viscosity, conduction, inertia: sub-steps leave the first law of the energy form.
 PLATE = {**HOT, "ts_type": "newmark", "mesh_set_lx": 1, "mesh_set_ly": 0.5, "mesh_set_ny": 4, "material_solid_rho": 2.81e-9,
          "material_solid_model": "j2", "material_solid_sigma_y": 368, "material_solid_voce_r": 78, "material_solid_voce_s": 32,
