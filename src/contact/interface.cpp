@@ -155,8 +155,8 @@ void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<doub
       sum += size(i);
     else if (is_first_of_body(i))
       sum += push_on_body(c, body);
+  const double stiffness = c.weight * method().stiffness(next) * sum;
   for (std::size_t i = 0; i < nodes; ++i) {
-    const double stiffness = c.weight * method().stiffness(next) * sum;
     if (const int body = body_at(i); body < 0)
       for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += stiffness * size(i);
     else if (is_first_of_body(i))

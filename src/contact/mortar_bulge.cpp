@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <impact/contact/mortar_form.hpp>
 #include <impact/contact/surface.hpp>
@@ -77,8 +78,10 @@ void MortarForm::add_bulge(int f, int candidate, const ContactValues& x, std::ar
 void MortarForm::bulge(const ContactValues& u, const ContactValues& x, const ConstraintFilter& presses) {
   if (parts_ == 1) return;
   std::vector<std::array<double, 4>> sums(facets_.size());
-  for (std::size_t f = 0; f < facets_.size(); ++f)
+  for (std::size_t f = 0; f < facets_.size(); ++f) {
+    if (*std::max_element(facets_[f].owned.begin(), facets_[f].owned.end()) < 0) continue;
     for (const int candidate : facing_[f]) add_bulge(static_cast<int>(f), candidate, x, sums[f]);
+  }
   for (Node& node : owned_) {
     double now = 0;
     for (const Incident& incident : node.facets) now += sums[at(incident.facet)][at(incident.corner)];

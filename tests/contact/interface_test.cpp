@@ -615,8 +615,8 @@ TEST(ContactInterface, PurePenaltyNeverChangesMultipliers) {
   EXPECT_NEAR(rig.contact.measures(u).force[1], 1.25, 1e-12);
 }
 
-// p = eps d (1 + d^2/s^2) and its energy eps (d^2/2 + d^4/4s^2), over a width of 1.25; its tangent by
-// differences of forces, and steps that press anew.
+// p = eps d (1 + d^2/s^2) and its energy eps (d^2/2 + d^4/4s^2), over a width of 1.25; forces are the
+// derivative of the energy, the tangent that of the forces.
 TEST(ContactInterface, PenaltiesOfExplicitStepsStiffenWithTheirDepth) {
   ContactSettings s = settings_of(100);
   s.enforce = Enforcement::penalty;
@@ -631,6 +631,7 @@ TEST(ContactInterface, PenaltiesOfExplicitStepsStiffenWithTheirDepth) {
     EXPECT_NEAR(m.force[1], 1.25 * law(depth), 1e-11) << depth;
     EXPECT_NEAR(m.energy, 1.25 * 100 * depth * depth * (0.5 + depth * depth / 16e-4), 1e-12) << depth;
     expect_force_of_the_energy(rig, u);
+    consistent_tangent(rig, u);
   }
   rig.contact.set_penalty(100, 0);
   EXPECT_NEAR(rig.contact.measures(rig.at(sink(0.05))).force[1], 1.25 * 5, 1e-12);

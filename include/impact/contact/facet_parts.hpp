@@ -33,9 +33,9 @@ struct FacetParts {
   std::vector<Part> parts;              ///< half by half
   std::vector<std::array<int, 4>> half; ///< vertices
 
-  /// Where the facet of second order is at the part's place sum_c at[c] corner_c, less where the part is, as
-  /// a sum over the nodes.
-  std::array<double, 9> bulge(const Part& part, const std::array<double, 4>& at) const;
+  /// Where the facet of second order is at the part's place sum_c weight[c] corner_c, less where the part is,
+  /// as a sum over the nodes.
+  std::array<double, 9> bulge(const Part& part, const std::array<double, 4>& weight) const;
 
   int parts_of_half() const { return static_cast<int>(parts.size() / half.size()); }
 };
