@@ -93,15 +93,14 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   return energies;
 }
 
-std::vector<double> find_damage_losses(const Discretisation& d, const BodyRows& rows,
-                                       const StepRecord& step) {
-  const std::size_t exchange = d.materials.size(); // from which on
-  std::vector<double> losses(2 * exchange + 1, 0.0);
+DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {
+  DamageLosses losses;
+  for (std::vector<double>* of : {&losses.by_rate, &losses.by_exchange}) of->resize(d.materials.size());
   for_each_batch(d, damages, [&](const CellBatch& batch) {
     const auto X = batch.vectors(d.mesh.coordinates());
     const auto by_damage = batch.load<1>(step.damage_dissipation);
     auto all = by_damage;
-    losses[batch.material()] += batch.sum(batch.kernels.cell_integral(X.data(), by_damage.data()));
+    losses.by_rate[batch.material()] += batch.sum(batch.kernels.cell_integral(X.data(), by_damage.data()));
     if (batch.law.exchanges()) {
       batch.load(step.dissipation, all);
       const auto now = batch.scalars(rows.phi->trial), before = batch.scalars(rows.phi->committed);
@@ -117,14 +116,13 @@ std::vector<double> find_damage_losses(const Discretisation& d, const BodyRows& 
                                       .history_n = flowed_n.data(),
                                       .drive = driving.data()},
                                      exchanged.data());
-      losses[exchange + batch.material()] +=
+      losses.by_exchange[batch.material()] +=
           batch.sum(batch.kernels.cell_integral(X.data(), exchanged.data()));
       for (int q = 0; q < all.size; ++q) all.value[q] += exchanged.value[q];
     }
     for (const Batch& at_point : all.all())
-      for (int l = 0; l < batch.used(); ++l) losses.back() = std::min(losses.back(), at_point[l]);
+      for (int l = 0; l < batch.used(); ++l) losses.most_gained = std::max(losses.most_gained, -at_point[l]);
   });
-  sum_and_min_over_ranks(d.mesh.comm(), losses);
   return losses;
 }
 

@@ -75,6 +75,9 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   const Timed timed(Event::balances);
   const double w = motion_.discretisation().thickness;
   energies_before_ = energies_;
+  DamageLosses by_damage;
+  if (rows_.phi) by_damage = find_damage_losses(motion_.discretisation(), rows_, step);
+  by_damage.add_to(motion_.tally());
   const StepWork work = step.integrator.is_explicit() ? forces_.book_explicit(step, a)
                                                       : forces_.book(step, u, v, a, sum(kept) / w);
   const double work_internal = w * work.internal;
@@ -100,7 +103,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   for (std::size_t k = 0; erosion_ != nullptr && k < 3; ++k)
     erosion_->trial[ErosionTotals::momentum + k] +=
         step.dt / 2 * std::exchange(erosion_->trial[ErosionTotals::force + k], 0);
-  book_points(step, work_unilateral);
+  book_points(step, by_damage, work_unilateral);
   if (choice_.coupling_error) find_coupling_error(step);
   if (heat_) heat_->book(step, w);
   if (!watched) return;
@@ -142,7 +145,7 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
   sum(contact_store) = store;
 }
 
-void Ledger::book_points(const StepRecord& step, double work_unilateral) {
+void Ledger::book_points(const StepRecord& step, const DamageLosses& by_damage, double work_unilateral) {
   const double w = motion_.discretisation().thickness;
   if (step.unilateral) sum(closing) += work_unilateral - w * unilateral_energy(step.phi);
   const MotionProblem::Increments& increments = *step.increments;
@@ -153,7 +156,7 @@ void Ledger::book_points(const StepRecord& step, double work_unilateral) {
     lost_in(m, viscous_loss) += w * increments.viscous_part[m];
     lost_in(m, plastic_loss) += w * increments.plastic_part[m];
   }
-  if (rows_.phi) book_damage(step);
+  if (rows_.phi) book_damage(step, by_damage);
   sum(least) = std::min(sum(least), step.least_fatigue);
   for (std::size_t m = 0; m < step.fatigue_dissipation.size(); ++m) {
     lost_in(m, fatigue_part) += w * step.fatigue_dissipation[m];
@@ -161,15 +164,14 @@ void Ledger::book_points(const StepRecord& step, double work_unilateral) {
   }
 }
 
-void Ledger::book_damage(const StepRecord& step) {
+void Ledger::book_damage(const StepRecord& step, const DamageLosses& lost) {
   const double w = motion_.discretisation().thickness;
-  const std::vector<double> lost = find_damage_losses(motion_.discretisation(), rows_, step);
-  sum(least) = std::min(sum(least), lost.back());
-  for (std::size_t m = 0, materials = lost.size() / 2; m < materials; ++m) {
-    const double by_damage = w * lost[m], by_exchange = w * lost[materials + m];
-    sum(damage) += by_damage;
+  sum(least) = std::min(sum(least), -lost.most_gained);
+  for (std::size_t m = 0; m < lost.by_rate.size(); ++m) {
+    const double by_rate = w * lost.by_rate[m], by_exchange = w * lost.by_exchange[m];
+    sum(damage) += by_rate;
     sum(plastic_dissipation) += by_exchange;
-    lost_in(m, damage_loss) += by_damage;
+    lost_in(m, damage_loss) += by_rate;
     lost_in(m, plastic_loss) += by_exchange;
   }
   const double work = w * step.prescribed_damage_work;

@@ -295,7 +295,8 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   }
   for (const ContactInterface& contact : motion_.contacts())
     sums[5] += contact.constraints().taken_by_jumps();
-  sum_over_ranks(d.mesh.comm(), sums);
+  motion_.tally().sum(sums);
+  motion_.tally().reduce();
   const double factor = -step.dt * step.dt / 8;
   StepWork work;
   work.internal = sums[0] / 2;
@@ -312,6 +313,7 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
 StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double kept) {
   const Discretisation& d = motion_.discretisation();
   StepWork work;
+  motion_.tally().reduce();
   const Handle<Vec> by_forces = d.displacement.make_global(); // the velocity
   if (inertia_) {
     check(VecWAXPY(by_forces, -1, step.told_velocity, v));

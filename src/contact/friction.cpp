@@ -173,33 +173,38 @@ ConstraintFilter Friction::acting() const {
   };
 }
 
-double Friction::advance(const Constraints& constraints, Vec u) {
-  // What sticks from now on does so with the traction of this state.
-  std::vector<double> slip(slip_->trial.size(), 0.0), tractions(traction_->trial.size(), 0.0);
-  double heat = 0;
-  const std::size_t m = tangents(), n = m + 1;
-  closed_.resize(slip.size() / n);
-  const auto visitor = [&](const Constraint& c) {
-    add_heat(c, heat);
-    const Traction t = traction(c);
-    const Tangential kept = forgets(c) ? t.value : traction_to_keep(c);
-    std::copy_n(kept.begin(), m, &tractions[m * at(c.index)]);
-    if (!c.active) return;
-    double* mine = &slip[n * at(c.index)];
-    for (std::size_t a = 0; a < m; ++a)
-      mine[a] = c.slip[a] + (forgets(c) ? 0 : slip_->committed[n * at(c.index) + a]);
-    // What has closed just now had no friction yet.
-    mine[m] = !c.slides || t.slides ? slides : sticks;
-    if (slip_->committed[n * at(c.index) + m] == 0) ++closed_[at(c.index)];
-  };
-  constraints.visit(u, Derivatives::none, visitor, acting());
-  constraints.share(tractions, m);
-  constraints.share(slip, n);
-  traction_->trial = std::move(tractions);
-  slip_->trial = std::move(slip);
+void Friction::begin_end() {
+  if (!acts()) return;
+  next_slip_.assign(slip_->trial.size(), 0.0);
+  next_traction_.assign(traction_->trial.size(), 0.0);
+}
+
+// What sticks from now on does so with the traction of this state.
+void Friction::note_end(const Constraint& c) {
+  if (!acts()) return;
+  const std::size_t m = tangents(), first = (m + 1) * at(c.index);
+  const Traction t = traction(c);
+  const Tangential kept = forgets(c) ? t.value : traction_to_keep(c);
+  std::copy_n(kept.begin(), m, &next_traction_[m * at(c.index)]);
+  if (!c.active) return;
+  for (std::size_t a = 0; a < m; ++a)
+    next_slip_[first + a] = c.slip[a] + (forgets(c) ? 0 : slip_->committed[first + a]);
+  // What has closed just now had no friction yet.
+  next_slip_[first + m] = !c.slides || t.slides ? slides : sticks;
+}
+
+void Friction::advance(const Constraints& constraints) {
+  if (!acts()) return;
+  const std::size_t m = tangents();
+  closed_.resize(next_slip_.size() / (m + 1));
+  for (std::size_t i = 0, state = m; i < closed_.size(); ++i, state += m + 1)
+    if (next_slip_[state] != 0 && slip_->committed[state] == 0) ++closed_[i];
+  constraints.share(next_traction_, m);
+  constraints.share(next_slip_, m + 1);
+  traction_->trial = next_traction_;
+  slip_->trial = next_slip_;
   traction_.tell_table();
   slip_.tell_table();
-  return heat;
 }
 
 double Friction::reopenings(MPI_Comm comm) const {

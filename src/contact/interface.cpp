@@ -21,6 +21,7 @@ void ContactInterface::use_method() {
 
 void ContactInterface::set_time(double t, double mass_shift, bool stabilised, const ForceShare& share) {
   share_ = share;
+  end_.reset();
   rows_.penalty->trial[EnforcementRows::least] = inertia_penalty_ * mass_shift;
   fallen_back_ = eased_ = false;
   use_method();
@@ -90,21 +91,20 @@ NodePairs ContactInterface::couplings() const {
   return rigid_nodes_.reduced(constraints_->form().couplings(), nodes());
 }
 
-std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
-                                                     StiffnessBound* bound) const {
+// `see` is shown what is visited, and what presses may be less. Returns the force on the secondary side by
+// this rank's constraints.
+ContactInterface::Vector ContactInterface::add_residual(Vec u, double scale, Vec r,
+                                                        const ConstraintFilter& wanted,
+                                                        const ConstraintVisitor& see) const {
   const std::vector<double> values = nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const std::size_t m = constraints_->dim();
   const bool exact = constraints_->works_exactly();
   const double factor = exact ? 2 * scale : scale;
   Vector force{};
-  std::vector<double> stiff(bound ? values.size() : 0, 0.0);
-  const auto visitor = [&](const Constraint& c) {
+  const auto visitor = [&](Constraint& c) {
+    if (see) see(c);
     if (!c.active) return;
-    if (bound) {
-      add_stiffness_bound(c, stiff, bound->of_bodies);
-      bound->deepest = std::max(bound->deepest, (-c.gap - c.kept) / constraints_->form().sight(c.index));
-    }
     const auto add = [&](double times, const double* gradient) {
       for (int node : c.node) {
         double* const to = &f[constraints_->dof(node, 0)];
@@ -118,9 +118,8 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
     for (std::size_t a = 0; rubs && a < constraints_->tangents(); ++a)
       add(factor * c.weight * t[a], &c.slip_gradient[c.gradient.size() * a]);
   };
-  constraints_->visit(values, Derivatives::first, visitor, constraints_->pressing());
+  constraints_->visit(values, Derivatives::first, visitor, wanted);
   nodes().exchange.add(f, r);
-  if (bound) nodes().exchange.add(stiff, bound->of_nodes);
   if (exact) check(VecAXPY(r, -scale, last_force_));
   return force;
 }

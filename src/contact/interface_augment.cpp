@@ -146,41 +146,50 @@ void ContactInterface::carry_force() {
     std::copy_n(totals(*half).force, constraints_->dim(), totals(*half).carried);
 }
 
-void ContactInterface::advance(Vec u_n, Vec u, double dt) {
-  const ScratchVec f = layout_->scratch();
-  check(VecSet(f, 0));
-  const Vector part = add_residual(u, 1, f);
-  advance(u_n, u, dt, f, part);
+// All of them where multipliers hold energy that press no more, or gaps are followed.
+ConstraintFilter ContactInterface::ending() const {
+  if ((method().has_multipliers() && !by_impulse()) || constraints_->conserving()) return {};
+  return [presses = constraints_->pressing(), acts = friction_.acting()](int index, double gap) {
+    return presses(index, gap) || acts(index, gap);
+  };
 }
 
-void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Vector& part) {
-  if (eased_) rows_.penalty->trial[EnforcementRows::value] = settings_.penalty; // nothing was touched
-  const ScratchVec f = layout_->scratch(), f_n = layout_->scratch(), du = layout_->scratch();
-  check(VecCopy(residual, f));
-  layout_->to_local(f, force_->trial);
-  layout_->to_global(force_->committed, f_n);
+void ContactInterface::end_step(Vec u_n, Vec u, Vec f, StiffnessBound* bound, Tally& tally) {
+  end_.emplace();
+  friction_.begin_end();
+  std::vector<double> stiff(bound ? constraints_->dim() * nodes().global.size() : 0, 0.0);
+  check(VecSet(f, 0));
+  end_->force = add_residual(u, 1, f, ending(), [&](const Constraint& c) {
+    add_step(c, *end_);
+    if (constraints_->conserving()) // with what friction keeps, as it is for good
+      end_->spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
+    friction_.note_end(c);
+    if (!bound || !c.active) return;
+    add_stiffness_bound(c, stiff, bound->of_bodies);
+    bound->deepest = std::max(bound->deepest, (-c.gap - c.kept) / constraints_->form().sight(c.index));
+  });
+  if (bound) nodes().exchange.add(stiff, bound->of_nodes);
+  layout_->owned_to_local(f, force_->trial);
+  const ScratchVec mean = layout_->scratch(), du = layout_->scratch();
   check(VecWAXPY(du, -1, u_n, u));
-  if (stabilised())
-    check(VecScale(f, 2));
-  else
-    check(VecAXPY(f, 1, f_n));
-  struct {
-    double twice_work = 0, spring = 0, heat = 0;
-    Vector force;
-  } sum; // over all ranks, in one reduction
-  sum.force = part;
-  {
-    const Entries forces(f), ways(du);
-    PetscInt count = 0;
-    check(VecGetLocalSize(du, &count));
-    for (PetscInt i = 0; i < count; ++i) sum.twice_work += forces[i] * ways[i];
+  layout_->to_global(force_->committed, mean);
+  check(stabilised() ? VecAXPBY(mean, 2, 0, f) : VecAXPY(mean, 1, f));
+  const Entries forces(mean), ways(du);
+  PetscInt count = 0;
+  check(VecGetLocalSize(du, &count));
+  for (PetscInt i = 0; i < count; ++i) end_->force_times_way += forces[i] * ways[i];
+  tally.sum(end_->numbers());
+}
+
+void ContactInterface::advance(Vec u_n, Vec u, double dt) {
+  if (eased_) rows_.penalty->trial[EnforcementRows::value] = settings_.penalty; // nothing was touched
+  if (!end_) {
+    Tally tally(mesh_->comm());
+    end_step(u_n, u, layout_->scratch(), nullptr, tally);
+    tally.reduce();
   }
-  if (constraints_->conserving())
-    constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
-      sum.spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
-    });
-  if (friction_.acts()) sum.heat = friction_.advance(*constraints_, u);
-  MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof sum / sizeof(double), MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  const ContactSums sum = *end_;
+  end_.reset();
   const Vector force = of_the_end(sum.force);
   const Totals before = totals(totals_->committed), now = totals(totals_->trial);
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
@@ -192,11 +201,12 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
   }
   for (std::size_t i = 0; !at_rest_ && i < carried_->trial.size(); ++i)
     carried_->trial[i] = share_.carried(force_->trial[i], carried_->committed[i]);
-  *now.work = *before.work - sum.twice_work / 2;
+  *now.work = *before.work - sum.force_times_way / 2;
   const Vector obstacle = rigid_displacement(settings_, mesh_->dim(), time_);
   std::copy(obstacle.begin(), obstacle.end(), now.obstacle);
   if (constraints_->conserving()) *now.spring = sum.spring;
   if (friction_.acts()) *now.heat = *before.heat + sum.heat;
+  friction_.advance(*constraints_);
   if (constraints_->conserving()) constraints_->keep_gaps(u);
   constraints_->end();
   if (friction_.acts()) constraints_->form().anchor(u);

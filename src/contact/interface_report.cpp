@@ -94,20 +94,20 @@ void ContactInterface::add_energy(const Constraint& c, double& energy) const {
   energy += c.weight * inner(t, t) / (2 * method().eps());
 }
 
+void ContactInterface::add_step(const Constraint& c, ContactSums& sums) const {
+  add_energy(c, sums.energy);
+  friction_.add_heat(c, sums.heat);
+  if (c.works_exactly())
+    sums.held += c.weight * spring_energy(c.start_gap, friction_.acts() ? friction_.held(c) : Tangential{});
+}
+
 ContactStep ContactInterface::step(Vec u) const {
-  struct {
-    double energy = 0, heat = 0, held = 0;
-  } sum;
-  const auto add = [&](const Constraint& c) {
-    add_energy(c, sum.energy);
-    friction_.add_heat(c, sum.heat);
-    if (c.works_exactly())
-      sum.held += c.weight * spring_energy(c.start_gap, friction_.acts() ? friction_.held(c) : Tangential{});
-  };
-  // Multipliers count where nothing presses any more.
-  constraints_->visit(u, Derivatives::none, add,
-                      method().has_multipliers() ? ConstraintFilter() : friction_.acting());
-  MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof sum / sizeof(double), MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  ContactSums sum = end_.value_or(ContactSums{});
+  if (!end_) {
+    constraints_->visit(
+        u, Derivatives::none, [&](const Constraint& c) { add_step(c, sum); }, ending());
+    sum_over_ranks(mesh_->comm(), sum.numbers());
+  }
   const double thick = thickness();
   const Totals before = totals(totals_->committed);
   ContactStep step;
@@ -116,7 +116,7 @@ ContactStep ContactInterface::step(Vec u) const {
   if (constraints_->works_exactly()) step.released = thick * (*before.spring - sum.held);
   const Vector moved = pose().moved;
   if (moved == Vector{}) return step; // at rest, or no rigid body: no force is asked for
-  const Vector force = total_force(u);
+  const Vector force = end_ ? of_the_end(sum.force) : total_force(u);
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
     step.obstacle_work += thick * moved[k] * (stabilised() ? force[k] : (before.force[k] + force[k]) / 2);
     step.obstacle_shock += thick * moved[k] * shock_[k];

@@ -135,6 +135,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
 
 void PairSearch::begin_attempt(Vec u_n) {
   PetscBool again = PETSC_FALSE;
+  look_.of_all_ranks = false;
   if (!attempt_from_) attempt_from_ = layout_->make_global();
   if (found_) check(VecEqual(attempt_from_, u_n, &again)); // as all ranks have, or none
   if (again) {
@@ -156,31 +157,44 @@ void PairSearch::set_start(Vec u_n) {
 
 void PairSearch::fetch_start() { list_.nodes.start = list_.nodes.current(u_n_); }
 
-PairSearch::Outcome PairSearch::update(Vec u) {
-  if (kind_ == Primary::rigid && !list_.outdated) return Outcome::kept;
-  std::vector<double> x = static_.gather(u);
+void PairSearch::look(Vec u) {
+  std::vector<double>& x = look_.x = static_.gather(u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += static_X_[i];
   const bool finite = all_finite(x);
-  // Not a number; moved since the list was built; moved since the start of the step, by side.
-  std::array<double, 4> all = {finite ? 0.0 : 1.0, 0, 0, 0};
-  if (finite && !list_.outdated) all[1] = largest_part(x, list_.built_at, dim_, static_slack_);
+  look_.moves = {finite ? 0.0 : 1.0, 0, 0, 0};
+  if (finite && !list_.outdated) look_.moves[1] = largest_part(x, list_.built_at, dim_, static_slack_);
   if (finite && !static_start_.empty()) {
-    all[2] = largest_move(x, static_start_, dim_, secondary_slot_);
-    all[3] = largest_move(x, static_start_, dim_, primary_slot_);
+    look_.moves[2] = largest_move(x, static_start_, dim_, secondary_slot_);
+    look_.moves[3] = largest_move(x, static_start_, dim_, primary_slot_);
   }
-  max_over_ranks(mesh_->comm(), all);
+}
+
+void PairSearch::look(Vec u, Tally& tally) {
+  if (stays()) return;
+  look(u);
+  tally.largest(look_.moves);
+  look_.of_all_ranks = true;
+}
+
+PairSearch::Outcome PairSearch::update(Vec u) {
+  if (stays()) return Outcome::kept;
+  if (!std::exchange(look_.of_all_ranks, false)) {
+    look(u);
+    max_over_ranks(mesh_->comm(), look_.moves);
+  }
+  const auto& [infinite, since_built, of_secondary, of_primary] = look_.moves;
   const Outcome owed = std::exchange(restored_, Outcome::kept);
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
-  if (all[0] > 0) return owed;
-  const double motion = motion_ = all[2] + all[3];
-  if (!list_.outdated && all[1] <= 1 && motion <= list_.reach) return owed;
+  if (infinite > 0) return owed;
+  const double motion = motion_ = of_secondary + of_primary;
+  if (!list_.outdated && since_built <= 1 && motion <= list_.reach) return owed;
   List before = std::exchange(list_, {});
   // A step that moves alike finds the list long enough.
   list_.reach = local_ ? std::max(smallest_, 1.25 * motion) : std::max(radius_, motion);
-  list_.candidates = search(x);
+  list_.candidates = search(look_.x);
   fetch_nodes();
   if (body_) drop_neighbours(u);
-  list_.built_at = std::move(x);
+  list_.built_at = std::move(look_.x);
   list_.outdated = false;
   const bool changed = !all_ranks_agree(mesh_->comm(), list_.candidates.same_pairs(before.candidates));
   if (attempt_from_ && !found_) found_ = std::move(before);

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/material/equation_of_state.hpp>
-#include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/erosion.hpp>
@@ -20,7 +19,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
       rigid_(rigid != nullptr ? rigid : &no_bodies_), symmetric_(symmetric_tangent), solved_(solved),
       operator_(contact_operator), format_(format), rows_(d_, boundary_, *rigid_), mass_(d_, rows_),
-      history_(state.row("history")), drive_(state.row("drive")),
+      tally_(d_.mesh.comm()), history_(state.row("history")), drive_(state.row("drive")),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
       body_load_(d_, boundary_), soft_volume_(d_), balance_(d_),
@@ -50,6 +49,7 @@ void MotionProblem::expose_contacts(Vec u) {
 
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
+  tally_.forget();
   if (solved_) rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
   for (ContactInterface& contact : contacts_)
     contact.set_time(step.t, step.mass_shift, step.stabilised, step.contact);
@@ -60,7 +60,7 @@ void MotionProblem::begin(const MotionStep& step) {
     check(VecAXPY(carried_, 1 - step_.unilateral_scale, d_.global_of(*step_.unilateral_carried)));
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   if (!boundary_.has_data()) return;
-  agree_on_errors(d_.mesh.comm(), [&] {
+  evaluate([&] {
     for (const LoadedFacets& load : boundary_.tractions())
       add_dead_traction(
           live_facets(load), d_.frame, X_,

@@ -1,5 +1,6 @@
 #include "motion_batch.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
@@ -31,7 +32,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   d_.displacement.to_local(u, u_);
   const std::size_t materials = d_.materials.size();
   std::vector<double>& lost = lost_;
-  lost.assign(5 + 2 * materials, 0.0);
+  lost.assign(4 + 2 * materials, 0.0);
   // The unilateral stress acts over the step as a whole: not in that of its end, twice in what does work.
   const bool apart = heat.stress && step_.unilateral_carried != nullptr;
   double least = 0;
@@ -87,17 +88,20 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   return all_sound;
 }
 
-// One reduction: sums of the cells, how many ranks found a broken one, and the least dissipation.
+// One reduction: sums of the cells, how many ranks found a broken one, the least dissipation, and what waits.
 bool MotionProblem::sum_up(bool sound, double least, Increments& sums) {
-  const std::size_t materials = d_.materials.size(), broken = 3 + 2 * materials, least_of_all = broken + 1;
+  const std::size_t materials = d_.materials.size(), broken = 3 + 2 * materials;
   lost_[broken] = sound ? 0 : 1;
-  lost_[least_of_all] = least;
-  sum_and_min_over_ranks(d_.mesh.comm(), lost_);
+  std::array<double, 2> worst = {-least, data_errors_.worst()};
+  tally_.sum(lost_);
+  tally_.largest(worst);
+  tally_.reduce();
+  data_errors_.agree(d_.mesh.comm(), worst[1]);
   const auto part = lost_.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
   sums.plastic_dissipation = lost_[0];
   sums.viscous_dissipation = lost_[1];
   sums.plastic_work = lost_[2];
-  sums.least_dissipation = lost_[least_of_all];
+  sums.least_dissipation = -worst[0];
   sums.plastic_part.assign(part, half);
   sums.viscous_part.assign(half, half + static_cast<std::ptrdiff_t>(materials));
   return lost_[broken] == 0;

@@ -237,7 +237,7 @@ void RunStage::start() {
   for (StateRow* row :
        {&rows.u, &rows.v, &rows.mean_rate}) // whose trial half an earlier commit left undefined
     row->trial = row->committed;
-  for (ContactInterface& contact : setup->contacts) contact.advance(u, u, 0);
+  setup->contacts.advance(u, u, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts, &dt));
   ExplicitStep* const step = coupling.explicit_step();
@@ -293,13 +293,13 @@ StepHooks RunStage::hooks() {
   return hooks;
 }
 
-void RunStage::check_prescribed_data(const Attempt& of_step) const {
+void RunStage::check_prescribed_data(const Attempt& of_step) {
   const BoundaryData& boundary = setup->boundary;
   if (!boundary.has_data()) return;
   const Attempt attempt = coupling.first_loads(of_step);
   const std::vector<double>&u_n = rows.u.committed, &v_n = rows.prescribed_velocity.committed;
   std::vector<double> unused = u_n;
-  agree_on_errors(d.mesh.comm(), [&] {
+  motion.evaluate([&] {
     setup->rigid.require_agreement(attempt.t_n, attempt.t);
     boundary.require_agreement(attempt.t_n, attempt.t, u_n, v_n);
     boundary.set_displacement(attempt.t_n, attempt.t, u_n, v_n, unused);
@@ -340,11 +340,9 @@ void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   if (!setup->contacts.empty()) {
     if (!before) before = d.displacement.make_global();
     d.displacement.to_global(rows.u.committed, before);
-    if (ExplicitStep* const step = coupling.explicit_step())
-      step->advance_contacts(before, u_new, attempt.dt);
-    else
-      for (ContactInterface& contact : setup->contacts) contact.advance(before, u_new, attempt.dt);
+    setup->contacts.advance(before, u_new, attempt.dt);
   }
+  if (ExplicitStep* const step = coupling.explicit_step()) step->accept();
   if (erosion.on()) erosion.settle();
   state.commit();
   follow_erosion(u_new, attempt.dt);

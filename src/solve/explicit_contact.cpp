@@ -10,13 +10,13 @@ namespace impact {
 ExplicitContact::ExplicitContact(MotionProblem& motion)
     : motion_(motion), impulses_(motion.discretisation().displacement),
       on_bodies_(motion.rigid().bodies().size()) {
+  if (motion.contacts().empty()) return;
   const FieldLayout& layout = motion.discretisation().displacement;
-  if (!motion.contacts().empty()) stiffness_ = layout.make_global();
-  for (const ContactInterface& contact : motion.contacts()) {
-    forces_.push_back({layout.make_global(), {}});
-    if (!contact.by_impulse() || struck_.before) continue;
-    for (Handle<Vec>* made : {&struck_.before, &struck_.free, &struck_.force}) *made = layout.make_global();
-  }
+  for (Handle<Vec>* made : {&stiffness_, &residual_}) *made = layout.make_global();
+  if (std::none_of(motion.contacts().begin(), motion.contacts().end(),
+                   [](const ContactInterface& contact) { return contact.by_impulse(); }))
+    return;
+  for (Handle<Vec>* made : {&struck_.before, &struck_.free, &struck_.force}) *made = layout.make_global();
 }
 
 void ExplicitContact::expose(Vec u) {
@@ -24,42 +24,32 @@ void ExplicitContact::expose(Vec u) {
   frequency_ = -1;
 }
 
-void ExplicitContact::find_forces(Vec u, Vec force) {
+void ExplicitContact::find_forces(Vec u_n, Vec u, Vec force) {
   check(VecSet(force, 0));
-  if (stiffness_) check(VecSet(stiffness_, 0));
-  deepest_ = 0;
+  if (!stiffness_) return;
+  check(VecSet(stiffness_, 0));
+  at_work_ = {};
   std::fill(on_bodies_.begin(), on_bodies_.end(), 0.0);
-  add_forces(u, false, force);
+  add_forces(u_n, u, false, force);
+  find_frequency();
 }
 
-void ExplicitContact::add_forces(Vec u, bool by_impulse, Vec force) {
-  auto known = forces_.begin();
-  for (const ContactInterface& contact : motion_.contacts()) {
-    if (contact.by_impulse() == by_impulse) {
-      check(VecSet(known->residual, 0));
-      StiffnessBound bound{stiffness_, on_bodies_};
-      known->part = contact.add_residual(u, 1, known->residual, by_impulse ? nullptr : &bound);
-      if (!contact.settings().rigid()) deepest_ = std::max(deepest_, bound.deepest);
-      check(VecAXPY(force, -1, known->residual));
-    }
-    ++known;
+void ExplicitContact::add_forces(Vec u_n, Vec u, bool by_impulse, Vec force) {
+  for (ContactInterface& contact : motion_.contacts()) {
+    if (contact.by_impulse() != by_impulse) continue;
+    StiffnessBound bound{stiffness_, on_bodies_};
+    contact.end_step(u_n, u, residual_, by_impulse ? nullptr : &bound, motion_.tally());
+    if (!contact.settings().rigid()) at_work_.deepest = std::max(at_work_.deepest, bound.deepest);
+    check(VecAXPY(force, -1, residual_));
   }
 }
 
-double ExplicitContact::frequency_at_work() {
-  if (forces_.empty()) return 0;
+void ExplicitContact::find_frequency() {
   check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
-  std::array<double, 2> most = {0, deepest_};
   const Entries squares(stiffness_);
   const PetscInt count = Get(VecGetLocalSize)(stiffness_);
-  for (PetscInt i = 0; i < count; ++i) most[0] = std::max(most[0], squares[i]);
-  const MPI_Comm comm = motion_.discretisation().mesh.comm();
-  max_over_ranks(comm, most);
-  if (most[1] > 0.9 && !told_) {
-    told_ = true;
-    tell_of_depth();
-  }
-  return most[0];
+  for (PetscInt i = 0; i < count; ++i) at_work_.frequency = std::max(at_work_.frequency, squares[i]);
+  motion_.tally().largest(at_work_.numbers());
 }
 
 std::string ExplicitContact::penalties() const {
@@ -70,7 +60,9 @@ std::string ExplicitContact::penalties() const {
   return text;
 }
 
-void ExplicitContact::tell_of_depth() const {
+void ExplicitContact::tell_of_depth() {
+  if (at_work_.deepest <= 0.9 || told_) return;
+  told_ = true;
   bool exposed = false;
   for (const ContactInterface& contact : motion_.contacts()) exposed = exposed || contact.settings().exposed;
   check(PetscPrintf(
@@ -90,18 +82,10 @@ void ExplicitContact::add_impulses(const Motion& now, Vec inverse_mass, const Ex
   impulses_.find(motion_.contacts(), {now.u, struck_.before, struck_.free, inverse_mass,
                                       bodies.empty() ? nullptr : &bodies, now.t, now.dt});
   check(VecSet(struck_.force, 0));
-  add_forces(now.u, true, struck_.force);
+  add_forces(now.u_n, now.u, true, struck_.force);
   check(VecAXPY(force, 1, struck_.force));
   check(VecPointwiseMult(struck_.force, struck_.force, inverse_mass));
   check(VecAXPY(a, 1, struck_.force));
-}
-
-void ExplicitContact::advance(Vec u_n, Vec u, double dt) {
-  auto known = forces_.begin();
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.advance(u_n, u, dt, known->residual, known->part);
-    ++known;
-  }
 }
 
 } // namespace impact

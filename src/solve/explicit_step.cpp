@@ -209,23 +209,27 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   bodies_.move(step.dt, u);
   for (ContactInterface& contact : motion_.contacts())
     contact.set_longest_step(std::max(1.0, 0.8 * row_.committed[of_cells] / step.dt));
-  motion_.update_contact(u);
-  row_.trial[of_closing] = contacts_.closing_in(step.dt);
+  motion_.contacts().look(u, motion_.tally());
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
   if (erosion_ != nullptr && erosion_->remove(motion_.inverted()) &&
       !motion_.advance(u, sums, heat, forces_.internal))
     return false;
+  motion_.update_contact(u);
+  row_.trial[of_closing] = contacts_.closing_in(step.dt);
   motion_.loads(u, forces_.external);
   const Rates rates{step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)};
   const Vec a = new_acceleration(ts_);
-  contacts_.find_forces(u, forces_.contact);
+  if (!motion_.contacts().empty()) {
+    if (!work_.u_n) work_.u_n = motion_.discretisation().displacement.make_global();
+    motion_.discretisation().displacement.to_global(*step.u_n, work_.u_n);
+  }
+  contacts_.find_forces(work_.u_n, u, forces_.contact);
   divide_by_mass(rates, a);
   const std::array<ExplicitBodies::Force, 2> on_bodies = {{{forces_.external, 1}, {forces_.contact, 1}}};
-  row_.trial[of_penalties] =
-      std::max(contacts_.frequency_at_work(), bodies_.push(step.t, on_bodies, contacts_.on_bodies(), a));
+  row_.trial[of_penalties] = bodies_.push(step.t, on_bodies, contacts_.on_bodies(), a);
   if (contacts_.by_impulse()) {
     invert_mass();
-    contacts_.add_impulses({rates.t, rates.dt, u, rates.v, rates.a}, work_.inverse_mass, bodies_,
+    contacts_.add_impulses({rates.t, rates.dt, work_.u_n, u, rates.v, rates.a}, work_.inverse_mass, bodies_,
                            forces_.contact, a);
     bodies_.push(step.t, on_bodies, contacts_.on_bodies(), a);
   }
@@ -242,6 +246,11 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
                                                 : often;
   row_.trial[left] = row_.trial[interval];
   return true;
+}
+
+void ExplicitStep::accept() {
+  row_.trial[of_penalties] = std::max(row_.trial[of_penalties], contacts_.frequency_at_work());
+  contacts_.tell_of_depth();
 }
 
 } // namespace impact

@@ -40,8 +40,8 @@ def counted(name, options, steps):
 
 # Signals are asked for in each sixteenth step, and cells for their stable step after 1 to 64: 0.06 and 0.02 of a step.
 # Friction: forces, energies, and what the next step starts from.
-for name, more, *counts in (("elastic", {}, 2, 2, 0), ("j2", {**J2, **HELD}, 2, 2, 0), ("weight", {**J2, **WEIGHT}, 3, 4, 0),
-                            ("slides", {**J2, **WEIGHT, **SLIDES}, 8.5, 7, 3))[:: 1 if long() else 3]:
+for name, more, *counts in (("elastic", {}, 2, 2, 0), ("j2", {**J2, **HELD}, 2, 2, 0), ("weight", {**J2, **WEIGHT}, 3, 2, 0),
+                            ("slides", {**J2, **WEIGHT, **SLIDES}, 6.5, 2, 1))[:: 1 if long() else 3]:
     few, many = counted(name, {**BODY, **more}, 100), counted(name, {**BODY, **more}, 420)
     for what, before, after, most in zip(("messages to the neighbour", "reductions", "contact forces"), few, many, counts):
         check_between(f"{name}: {what} of a step", (after - before) / 320, most, most + 0.1)

@@ -33,9 +33,18 @@ struct Energies {
 /// Collective.
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial);
 
-/// Lost in a step by the rate of damage, [material], and by the exchange of damage and flow, [material]; and
-/// the smallest at a point, per volume, at most 0. Needs phi. Collective.
-std::vector<double> find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step);
+/// Lost in a step by damage, on this rank until a tally is reduced.
+struct DamageLosses {
+  std::vector<double> by_rate, by_exchange; ///< [material]; of damage and flow
+  double most_gained = 0;                   ///< at a point, per volume
+  void add_to(Tally& tally) {
+    tally.sum(by_rate);
+    tally.sum(by_exchange);
+    tally.largest({&most_gained, 1});
+  }
+};
+/// Needs phi.
+DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step);
 
 /// The unilateral stress stores this in a step, at the damage `phi` that its force saw, [node]. `drive_n`:
 /// the driving energies of t_n. Collective.

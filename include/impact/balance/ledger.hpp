@@ -119,8 +119,8 @@ private:
   }
   void measure(Vec u, Vec v, bool trial);
   void book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u, bool watched);
-  void book_points(const StepRecord& step, double work_unilateral);
-  void book_damage(const StepRecord& step);
+  void book_points(const StepRecord& step, const DamageLosses& by_damage, double work_unilateral);
+  void book_damage(const StepRecord& step, const DamageLosses& lost);
   void book_scale(double dt);
   double unilateral_energy(std::span<const double> phi) const;
   void find_coupling_error(const StepRecord& step);

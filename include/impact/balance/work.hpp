@@ -40,7 +40,8 @@ public:
   double start(const Integrator& integrator, double dt, Vec u, Vec a, bool moving = false);
   /// After a restart: reactions are not known before the next step.
   void resume();
-  /// Books a step while rows still hold t_n; `kept` is IntegratorEnergy::kept of the last one. Collective.
+  /// Books a step while rows still hold t_n; `kept` is IntegratorEnergy::kept of the last one. What waits in
+  /// the tally of the motion goes along with the sums. Collective.
   StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double kept);
   /// The same of a step by central differences whose forces are those at MotionProblem::last_displacement:
   /// one loop over the nodes, one reduction.

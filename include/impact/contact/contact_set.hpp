@@ -12,6 +12,10 @@ class ContactSet : public std::deque<ContactInterface> {
 public:
   ContactDemands demands() const;
   bool update_search(Vec u);
+  /// Before it, at the same u: what ranks tell each other then goes along with `tally`.
+  void look(Vec u, Tally& tally) {
+    for (ContactInterface& contact : *this) contact.search().look(u, tally);
+  }
   NodePairs couplings() const;
   /// r += scale times minus the forces on the bodies.
   void add_forces(Vec u, double scale, Vec r) const {
@@ -39,6 +43,9 @@ public:
   /// [contact]
   std::vector<ContactReach> reach(Vec u) const;
   std::vector<ContactStep> step(Vec u) const;
+  void advance(Vec u_n, Vec u, double dt) {
+    for (ContactInterface& contact : *this) contact.advance(u_n, u, dt);
+  }
   int active(Vec u) const;
   ContactFields nodal_fields(Vec u) const;
 };

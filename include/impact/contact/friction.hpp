@@ -71,9 +71,11 @@ public:
   const std::vector<double>& tractions() const { return traction_->trial; }
   std::vector<double>& given() { return acts() ? traction_->trial : none_; }
   void keep_tractions(std::vector<double>& tractions);
-  /// After an accepted step that ended at u; the energy per thickness that it turned into heat on this rank.
-  /// Collective.
-  double advance(const Constraints& constraints, Vec u);
+  /// At the end of a step: what the next one starts from, of every constraint that acts, which a visit tells.
+  void begin_end();
+  void note_end(const Constraint& c);
+  /// The step is accepted. Collective.
+  void advance(const Constraints& constraints);
   /// The constraints that press, or keep a spring.
   ConstraintFilter acting() const;
   /// Slip since the constraint closed, [direction], and its state.
@@ -98,7 +100,8 @@ private:
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;
   std::vector<char> kind_;
-  std::vector<int> closed_; // [constraint] how often, since the start of the run
+  std::vector<double> next_traction_, next_slip_; // of the step that ends, as the rows
+  std::vector<int> closed_;                       // [constraint] how often, since the start of the run
 };
 
 } // namespace impact

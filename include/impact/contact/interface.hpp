@@ -2,6 +2,7 @@
 #include <array>
 #include <impact/contact/friction.hpp>
 #include <impact/contact/rigid_nodes.hpp>
+#include <impact/petsc/tally.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -105,8 +106,20 @@ struct ContactReach {
   bool presses = false;
 };
 
-/// How stiff the penalties at work are, and how deep this rank's active constraints lie, of what is seen; see
-/// add_residual.
+/// Sums over the constraints at the end of a step, of this rank or of all, not times the thickness.
+struct ContactSums {
+  double energy = 0, heat = 0;   ///< ContactStep's, as `friction_loss`
+  double held = 0, spring = 0;   ///< energies of springs at the ends of a step whose work is exact
+  std::array<double, 3> force{}; ///< on the secondary side
+  double force_times_way = 0;    ///< minus twice the work on the bodies
+  std::span<double> numbers() { return {&energy, sizeof *this / sizeof(double)}; }
+};
+
+/// At the dofs of each node i, the sum over the active constraints of w eps |dg_i| sum_j |dg_j|: no
+/// eigenvalue of the penalties' stiffness, over the masses of the nodes, is larger than the largest of these
+/// over them. Nodes of a rigid body count as one, whose sum goes into `of_bodies`; |dg_i| is there that by
+/// translation and rotation, in the norm of inertia over mass. Further how deep this rank's active
+/// constraints lie, of what is seen.
 struct StiffnessBound {
   Vec of_nodes;
   std::vector<double>& of_bodies; ///< [rigid body]
@@ -191,13 +204,8 @@ public:
   /// How often the nodes were found anew.
   long searches() const { return searches_; }
 
-  /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Returns the force on the
-  /// secondary side by this rank's constraints. With a `bound` also, at the dofs of each node i, the sum
-  /// over the active constraints of w eps |dg_i| sum_j |dg_j|: no eigenvalue of the penalties' stiffness,
-  /// over the masses of the nodes, is larger than the largest of these over them. Nodes of a rigid body count
-  /// as one, whose sum goes into `of_bodies`; |dg_i| is there that by translation and rotation, in the norm
-  /// of inertia over mass.
-  std::array<double, 3> add_residual(Vec u, double scale, Vec r, StiffnessBound* bound = nullptr) const;
+  /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies).
+  void add_residual(Vec u, double scale, Vec r) const { add_residual(u, scale, r, constraints_->pressing()); }
   /// r += scale times minus what of the present acceleration, times the mass, is the contact's.
   void add_carried(double scale, Vec r) const;
   /// A run begins from this state at the acceleration by all forces, those of contact among them.
@@ -245,12 +253,13 @@ public:
   /// lambda <- <lambda - eps g> for every constraint, 0 where it faces nothing, as the method has it.
   AugmentReport augment(Vec u);
 
+  /// The step from u_n ends at u: f = what add_residual would add, and in the same visit of the constraints
+  /// what `step` and `advance` will ask for, once `tally` has been reduced. Collective.
+  void end_step(Vec u_n, Vec u, Vec f, StiffnessBound* bound, Tally& tally);
   /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule; of
   /// a stabilised step the momentum gained, and the work of the force at its end. A call with u_n = u and dt
-  /// = 0 before the first step records the force of the start.
+  /// = 0 before the first step records the force of the start. Ends the step if that has not been done.
   void advance(Vec u_n, Vec u, double dt);
-  /// The same where the force is known: `residual` and `part` as add_residual made them at u.
-  void advance(Vec u_n, Vec u, double dt, Vec residual, const std::array<double, 3>& part);
   /// Before advance.
   ContactStep step(Vec u) const;
 
@@ -300,6 +309,10 @@ private:
   void visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
+  Vector add_residual(Vec u, double scale, Vec r, const ConstraintFilter& wanted,
+                      const ConstraintVisitor& see = {}) const;
+  ConstraintFilter ending() const;
+  void add_step(const Constraint& c, ContactSums& sums) const;
   void add_force(const Constraint& c, const Tangential& traction, Vector& force) const;
   void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
                            std::vector<double>& of_bodies) const;
@@ -333,9 +346,10 @@ private:
   std::map<std::string, LiveSide> live_;                 // by boundary; empty as long as no cell has left
   std::array<std::vector<double>, 2> before_projection_; // multipliers, penalty
   ForceShare share_;
-  Vector shock_{};             // on the secondary side: impulse of the projection over dt
-  Handle<Vec> last_force_;     // at the start of a step whose work is exact
-  double inertia_penalty_ = 0; // over the mass shift
+  std::optional<ContactSums> end_; // of the step that ended, until it is accepted or another one begins
+  Vector shock_{};                 // on the secondary side: impulse of the projection over dt
+  Handle<Vec> last_force_;         // at the start of a step whose work is exact
+  double inertia_penalty_ = 0;     // over the mass shift
   double last_change_ = std::numeric_limits<double>::infinity(); // of the multipliers, in an augmentation
   double time_ = 0;                                              // of the attempt's end
   double mean_length_ = 0;                                       // of the secondary facets

@@ -6,6 +6,7 @@
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/handle.hpp>
+#include <impact/petsc/tally.hpp>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -82,8 +83,9 @@ struct SearchRange {
   bool local = false;
 };
 
-/// More members than usual: the facets that never change, the list that one search found, what the attempt at
-/// a step began with, and what a surface that may meet itself needs beside.
+/// More functions and members than usual: what a step and what a visit ask for; the facets that never
+/// change, the list that one search found, what the attempt at a step began with, and what a surface that may
+/// meet itself needs beside.
 class PairSearch {
 public:
   enum class Outcome { kept, rebuilt, other_pairs };
@@ -113,8 +115,11 @@ public:
   }
   /// Where the bodies stand at the start of a step; the list then reaches as far as they move. Collective.
   void set_start(Vec u_n);
+  /// What the next update, which is to come at the same u, asks of all ranks goes along with `tally`.
+  void look(Vec u, Tally& tally);
   /// Makes the list anew when a node moved more than half the skin, or farther since the start of the step
-  /// than the list reaches. The same on all ranks. Collective: one reduction when nothing moved that far.
+  /// than the list reaches. The same on all ranks. Collective: one reduction when nothing moved that far,
+  /// none after a look.
   Outcome update(Vec u);
   /// The next update makes the list anew, as a restarted run does.
   void forget() {
@@ -182,6 +187,8 @@ private:
   // Leaves of the candidates those that may touch; needs nodes_ of them all.
   void drop_neighbours(Vec u);
   void fetch_nodes();
+  void look(Vec u);
+  bool stays() const { return kind_ == Primary::rigid && !list_.outdated; }
   double skin() const { return radius_ / 2; }
   void fetch_start();
 
@@ -201,6 +208,13 @@ private:
   bool local_ = false;
   double motion_ = 0;
   List list_;
+  /// Of an update: where the static nodes are; whether that is no number, how far they moved since the list
+  /// was built, in what they may, and since the start of the step, by side.
+  struct Look {
+    std::vector<double> x;
+    std::array<double, 4> moves{};
+    bool of_all_ranks = false;
+  } look_;
   std::optional<List> found_;        // by the attempt, where it has searched since
   Handle<Vec> attempt_from_;         // where it started; absent: none yet
   Outcome restored_ = Outcome::kept; // what the next update owes to the return of an earlier list

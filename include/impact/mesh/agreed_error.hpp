@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/petsc/error.hpp>
 #include <string>
+#include <utility>
 
 namespace impact {
 
@@ -22,21 +23,38 @@ inline void throw_first(MPI_Comm comm, ExitCode code, const std::string& message
   throw UserError(code, text);
 }
 
-/// Runs `body`, which may throw UserError on some ranks only (a user's expression at a rank's own points),
-/// and throws the message of the lowest such rank on all of them. Collective; `body` itself must not
-/// communicate.
-template <class Body> void agree_on_errors(MPI_Comm comm, Body&& body) {
-  std::string message;
-  ExitCode code = ExitCode::data;
-  try {
-    body();
-  } catch (const UserError& error) {
-    message = error.what();
-    code = error.code();
+/// What bodies could not do on some ranks only (a user's expression at a rank's own points).
+class RankErrors {
+public:
+  /// Runs `body`, which must not communicate, and keeps the message of the first UserError that it throws.
+  template <class Body> void note(Body&& body) {
+    try {
+      body();
+    } catch (const UserError& error) {
+      if (!message_.empty()) return;
+      message_ = error.what();
+      code_ = error.code();
+    }
   }
-  int worst = message.empty() ? 0 : static_cast<int>(code);
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_INT, MPI_MAX, comm);
-  if (worst != 0) throw_first(comm, static_cast<ExitCode>(worst), message);
+  /// What `agree` wants the largest of over the ranks.
+  double worst() const { return message_.empty() ? 0 : static_cast<double>(code_); }
+  /// Throws the message of the lowest rank that has one on all of them. Collective.
+  void agree(MPI_Comm comm, double worst) {
+    if (worst > 0) throw_first(comm, static_cast<ExitCode>(worst), std::exchange(message_, {}));
+  }
+
+private:
+  std::string message_;
+  ExitCode code_ = ExitCode::data;
+};
+
+/// Runs `body` likewise; the ranks agree at once. Collective.
+template <class Body> void agree_on_errors(MPI_Comm comm, Body&& body) {
+  RankErrors errors;
+  errors.note(body);
+  double worst = errors.worst();
+  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, comm);
+  errors.agree(comm, worst);
 }
 
 } // namespace impact

@@ -1,7 +1,6 @@
 #pragma once
 #include <iterator>
 #include <mpi.h>
-#include <span>
 #include <type_traits>
 
 /// Sums, largest and smallest values over the ranks of a communicator: of a number as the result, of an array
@@ -51,8 +50,5 @@ template <class Data> Data of_least(MPI_Comm comm, double key, Data data) {
   MPI_Bcast(&data, sizeof data, MPI_BYTE, least.rank, comm);
   return data;
 }
-
-/// Of an array the sums over the ranks in its place, of its last entry the smallest value. Collective.
-void sum_and_min_over_ranks(MPI_Comm comm, std::span<double> values);
 
 } // namespace impact

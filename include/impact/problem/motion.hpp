@@ -1,5 +1,7 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/body_load.hpp>
 #include <impact/problem/force_balance.hpp>
 #include <impact/problem/mass_matrix.hpp>
@@ -76,6 +78,16 @@ public:
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
+  /// Runs what evaluates data of the step and does not communicate. A UserError that it throws on some ranks
+  /// only is thrown on all of them: at once, in explicit steps by the `advance` that follows. Collective.
+  template <class Body> void evaluate(Body&& body) {
+    data_errors_.note(body);
+    if (d_.lumped_mass) return;
+    data_errors_.agree(d_.mesh.comm(), max_over_ranks(d_.mesh.comm(), data_errors_.worst()));
+  }
+  /// What parts of an explicit step have to sum up or to compare over the ranks: until `advance` with what
+  /// the cells have, and after it until the step is booked.
+  Tally& tally() { return tally_; }
   const MotionStep& step() const { return step_; }
   /// How forces and tangents take bodies that hardly change their volume, within a solve.
   SoftVolume& soft_volume() { return soft_volume_; }
@@ -205,6 +217,8 @@ private:
   MotionRows rows_;
   MassMatrix mass_;
   MassScaling scaling_;
+  RankErrors data_errors_;
+  Tally tally_;
   std::vector<double> lost_; // of `advance`
   StateRow &history_, &drive_;
   MotionStep step_;

@@ -36,7 +36,7 @@ struct RunStage {
   StepHooks hooks();
   /// A user's expression may lack a value at the nodes of some ranks alone: tried out where all of them can
   /// agree. Collective.
-  void check_prescribed_data(const Attempt& attempt) const;
+  void check_prescribed_data(const Attempt& attempt);
   /// Takes the step over that the integrator has accepted, up to the commit of the table.
   /// Velocity and acceleration `with_ghosts` where someone writes fields or columns; explicit steps do
   /// without else. Collective.

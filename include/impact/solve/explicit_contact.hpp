@@ -35,11 +35,11 @@ public:
   /// Cells have left: contacts find the surfaces that are there at u. Collective.
   void expose(Vec u);
 
-  /// force = that of the penalties on the bodies at u. Collective.
-  void find_forces(Vec u, Vec force);
-  /// Of the last forces: bound of the square of the frequencies of nodes by penalties at work, on their own
-  /// (collective), and stiffness at each rigid body.
-  double frequency_at_work();
+  /// force = that of the penalties on the bodies at u, where the step from u_n ends. Collective.
+  void find_forces(Vec u_n, Vec u, Vec force);
+  /// Of the last forces: bound of the square of the frequencies of nodes by penalties at work, on their own,
+  /// once the tally of the motion has been reduced; and stiffness at each rigid body.
+  double frequency_at_work() const { return at_work_.frequency; }
   const std::vector<double>& on_bodies() const { return on_bodies_; }
   bool by_impulse() const { return struck_.before; }
   /// What moves on from u freely in the next step, if it is as long as this one, with the velocity v and the
@@ -48,11 +48,11 @@ public:
   /// 0 at prescribed dofs and on rigid bodies. Collective.
   struct Motion {
     double t, dt;
-    Vec u, v, a_n;
+    Vec u_n, u, v, a_n;
   };
   void add_impulses(const Motion& now, Vec inverse_mass, const ExplicitBodies& bodies, Vec force, Vec a);
-  /// Tells contacts of an accepted step what they did in it. Collective.
-  void advance(Vec u_n, Vec u, double dt);
+  /// Once an accepted step has been booked. Collective.
+  void tell_of_depth();
 
 private:
   /// Of a contact over its penalty, bounds of the squared frequency at each dof, and of each rigid body.
@@ -66,15 +66,11 @@ private:
   Loads loads(const ContactInterface& contact);
   void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
                             std::vector<double>& of_bodies) const;
-  void add_forces(Vec u, bool by_impulse, Vec force);
-  void tell_of_depth() const;
+  void add_forces(Vec u_n, Vec u, bool by_impulse, Vec force);
+  void find_frequency();
 
   MotionProblem& motion_;
-  struct Force {
-    Handle<Vec> residual;
-    std::array<double, 3> part{};
-  };
-  std::vector<Force> forces_; // of each contact
+  Handle<Vec> residual_; // of one contact
   ContactImpulses impulses_;
   struct {
     Handle<Vec> before, free, force; // velocities
@@ -82,7 +78,11 @@ private:
   double frequency_ = -1;            // negative: not known yet
   Handle<Vec> stiffness_;            // of penalties at work
   std::vector<double> on_bodies_;
-  double deepest_ = 0; // of the last forces, in depths at which facets are lost
+  /// Of the last forces; `deepest`, in depths at which facets are lost.
+  struct {
+    double frequency = 0, deepest = 0;
+    std::span<double> numbers() { return {&frequency, 2}; }
+  } at_work_;
   bool told_ = false;
 };
 

@@ -44,8 +44,8 @@ public:
   /// Cells have left: contacts find the surfaces that are there at u, and steps go with them. Collective.
   void expose(Vec u) { contacts_.expose(u); }
   const ExplicitBodies& bodies() const { return bodies_; }
-  /// Tells contacts of an accepted step what they did in it. Collective.
-  void advance_contacts(Vec u_n, Vec u, double dt) { contacts_.advance(u_n, u, dt); }
+  /// The step is accepted, and what its parts had to sum up has been. Collective.
+  void accept();
 
 private:
   /// What prescribed dofs know at a time: u, v, the last a; null for none.
@@ -74,6 +74,7 @@ private:
   ExplicitContact contacts_;
   ExplicitBodies bodies_;
   struct {
+    Handle<Vec> u_n;
     Handle<Vec> inverse_mass; ///< 0 at prescribed dofs
     Handle<Vec> change;       ///< of the internal force by damage
     struct {

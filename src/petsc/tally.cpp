@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/petsc/ranks.hpp>
+#include <impact/petsc/tally.hpp>
 #include <map>
 #include <petscsys.h> // counts what is reduced
 
@@ -15,8 +15,9 @@ void add_and_compare(void* in, void* in_out, int* entries, MPI_Datatype* type) {
   const double* from = static_cast<const double*>(in);
   double* to = static_cast<double*>(in_out);
   for (int entry = 0; entry < *entries; ++entry, from += size, to += size) {
-    for (int i = 0; i + 1 < size; ++i) to[i] += from[i];
-    to[size - 1] = std::min(to[size - 1], from[size - 1]);
+    const int sums = static_cast<int>(from[0]);
+    for (int i = 1; i <= sums; ++i) to[i] += from[i];
+    for (int i = sums + 1; i < size; ++i) to[i] = std::max(to[i], from[i]);
   }
 }
 
@@ -42,8 +43,20 @@ MPI_Datatype array_of(int size) {
 
 } // namespace
 
-void sum_and_min_over_ranks(MPI_Comm comm, std::span<double> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), 1, array_of(static_cast<int>(values.size())), operation(), comm);
+void Tally::reduce() {
+  if (sums_.empty() && largest_.empty()) return;
+  all_.assign(1, 0.0);
+  for (const std::span<double> numbers : sums_) all_.insert(all_.end(), numbers.begin(), numbers.end());
+  all_[0] = static_cast<double>(all_.size() - 1);
+  for (const std::span<double> numbers : largest_) all_.insert(all_.end(), numbers.begin(), numbers.end());
+  MPI_Allreduce(MPI_IN_PLACE, all_.data(), 1, array_of(static_cast<int>(all_.size())), operation(), comm_);
+  auto next = all_.begin() + 1;
+  for (const auto* parts : {&sums_, &largest_})
+    for (const std::span<double> numbers : *parts) {
+      std::copy_n(next, numbers.size(), numbers.begin());
+      next += static_cast<std::ptrdiff_t>(numbers.size());
+    }
+  forget();
 }
 
 } // namespace impact
