@@ -10,7 +10,7 @@ namespace impact {
 namespace {
 
 constexpr int most_iterations = 500;
-constexpr double small_change = 1e-9; // of the pressures in an iteration, over themselves
+constexpr double small_change = 1e-10; // of the pressures in an iteration, over themselves
 // A deeper overlap, in mean secondary facets, came in from the side or before the first step. It is pushed
 // out by the second number in a step of 0.8 of the stable one.
 constexpr double left_in = 5e-2, push = 2e-4;

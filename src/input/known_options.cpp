@@ -183,13 +183,14 @@ std::string explain(const std::string& message, const std::string& prefix,
                     const std::vector<GivenOption>& options) {
   for (const GivenOption& option : options) {
     if (!option.key.starts_with("-" + prefix) || !names_value(message, option.text)) continue;
-    const std::vector<std::string> choices = KnownOptions::get().allowed(option.key.substr(1));
+    std::vector<std::string> choices = KnownOptions::get().allowed(option.key.substr(1));
     const bool number = message.find("numeric value") != std::string::npos ||
                         message.find("integer value") != std::string::npos;
     const bool listed = std::ranges::find(choices, option.text) != choices.end();
     const std::string near = listed ? "" : nearest_name(option.text, choices, 2);
+    std::erase(choices, option.text);
     return option.key + " \"" + option.text + "\": PETSc refuses it (" + message + ")" +
-           (near.empty() ? "" : "; did you mean " + near + "?") + "; allowed: " +
+           (near.empty() ? "" : "; did you mean " + near + "?") + (listed ? "; others: " : "; allowed: ") +
            (!choices.empty() ? join(choices)
             : number         ? "a number"
                              : "what PETSc's manual says of this option");

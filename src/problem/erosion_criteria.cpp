@@ -32,10 +32,10 @@ int Erosion::failed_lanes(const CellBatch& batch, const std::vector<double>& u) 
   batch.kernels.cell_distortion(batch.law, in, now);
   Batch step = 1, first = 1;
   if (rule.step > 0) {
-    step = batch.kernels.stable_step(batch.law, in);
+    step = batch.kernels.highest_frequency(batch.law, in, nullptr).longest_step();
     in.u = still.data();
     if (d_.frame == Frame::plane_stress) in.history = nullptr;
-    first = batch.kernels.stable_step(batch.law, in);
+    first = batch.kernels.highest_frequency(batch.law, in, nullptr).longest_step();
   }
   const int points = batch.group.shape->points, alpha = symmetric_size(dimension(d_.frame));
   PointCount broken{rule, points}, flown{rule, points}, worn{rule, points};

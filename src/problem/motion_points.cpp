@@ -147,28 +147,4 @@ void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec chan
   put(r_, change);
 }
 
-double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double dt,
-                                  const BulkViscosity& bulk) {
-  const Timed timed(Event::motion_points);
-  d_.displacement.to_local(u, u_);
-  slowest_ = {HUGE_VAL, {}, -1};
-  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
-    MotionFields fields = step_fields(u_, nullptr, batch.law);
-    fields.u_n = &u_n;
-    fields.dt = dt;
-    fields.bulk = bulk;
-    MotionBatch cells(batch, fields);
-    if (d_.mass_factor != nullptr) cells.in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
-    const Batch step = batch.kernels.stable_step(batch.law, cells.in);
-    for (int l = 0; l < batch.used(); ++l)
-      if (batch.live(l) && step[l] < slowest_.value) slowest_ = mark(batch.group, batch.number, l, step[l]);
-  });
-  return min_over_ranks(d_.mesh.comm(), slowest_.value);
-}
-
-std::string MotionProblem::slowest_cell() const {
-  const MarkedCell slowest = of_least(d_.mesh.comm(), slowest_.value, slowest_);
-  return slowest.material < 0 ? "" : place_of(slowest);
-}
-
 } // namespace impact

@@ -171,11 +171,22 @@ void EnergyWatch::tell_of_untouched() const {
     const ContactMeasures m = contact.measures(stage_.u);
     if (m.active > 0 || m.work != 0 || std::ranges::any_of(m.impulse, [](double part) { return part != 0; }))
       continue;
-    check(
-        PetscPrintf(stage_.d.mesh.comm(),
-                    "impact: contact %s: nothing pressed in this run; where something should have: are these "
-                    "the sides that meet, and does the normal of a plane point away from its body\n",
-                    contact.id().c_str()));
+    const ContactSettings& settings = contact.settings();
+    // Facets that are long beside a round obstacle are apart from it in the mean where one point touches.
+    const bool coarse = settings.radius > 0 && settings.method == ContactMethod::mortar &&
+                        contact.constraints().mean_length() > settings.radius / 4;
+    check(PetscPrintf(
+        stage_.d.mesh.comm(),
+        "impact: contact %s: nothing pressed in this run, %s; where something should have: are these "
+        "the sides that meet, and does the normal of a plane point away from its body%s\n",
+        contact.id().c_str(),
+        std::isnan(m.gap_min) ? "and nothing faces the other side"
+                              : text_of("the smallest gap at its end is %.4g", m.gap_min).c_str(),
+        coarse ? text_of(", or are facets of %.3g too long beside a radius of %.3g, for gaps that are means "
+                         "over them (-contact_%s_method gpts looks at points)",
+                         contact.constraints().mean_length(), settings.radius, contact.id().c_str())
+                     .c_str()
+               : ""));
   }
 }
 
@@ -220,16 +231,33 @@ std::string moved_at_start(const Scenario& s) {
   return "";
 }
 
+// What friction has turned into heat, and whether what rubs opens and closes all the time.
+std::pair<double, bool> rubbing(const RunStage& stage) {
+  std::pair<double, bool> all = {0, false};
+  for (const ContactInterface& contact : stage.setup->contacts) {
+    if (!contact.frictional()) continue;
+    all.first += contact.measures(stage.u).dissipated;
+    all.second = all.second || contact.reopenings() > restless;
+  }
+  return all;
+}
+
 } // namespace
 
 std::string EnergyWatch::step_remedy() const {
   const bool inertia = stage_.inertia, damage = stage_.d.has_damage();
-  const bool gained = stage_.ledger.energy_error() > 0;
+  const double error = stage_.ledger.energy_error() * stage_.ledger.energy_scale();
+  const bool gained = error > 0;
   const bool by_itself = stage_.scenario.explicit_steps();
   const int passes = stage_.scenario.coupling.max_it;
   const bool few = damage && passes < 10 && !by_itself;
   const double missed = stage_.ledger.exchanged().missed;
-  if (!inertia && !gained && missed > -0.5 * stage_.ledger.energy_error() * stage_.ledger.energy_scale())
+  const auto [rubbed, flutters] = rubbing(stage_);
+  if (!inertia && gained && rubbed > error)
+    return "likely friction began or grew within steps, by which its work, the mean of both ends, is not "
+           "what "
+           "turns into heat: take a shorter -ts_dt to tell";
+  if (!inertia && !gained && !stage_.setup->contacts.empty() && missed > -0.5 * error)
     return "likely because gaps of contacts closed within steps, by which the work of their pressure is too "
            "large, as if it had acted all along: take a shorter -ts_dt to tell";
   if (!inertia && !gained && damage)
@@ -247,8 +275,7 @@ std::string EnergyWatch::step_remedy() const {
   if (!inertia && !gained && !stage_.d.has_heat())
     return "likely a body snapped or buckled within a step, whose energy nothing takes up without inertia, "
            "or steps are too long: take a shorter -ts_dt to tell";
-  if (by_itself && gained &&
-      stage_.ledger.exchanged().struck < -0.5 * stage_.ledger.energy_error() * stage_.ledger.energy_scale())
+  if (by_itself && gained && stage_.ledger.exchanged().struck < -0.5 * error)
     return "likely because places of a contact came to lie deep in facets that they had not seen, at a "
            "corner or "
            "under the front of what slides, and were pushed out: exchange the sides of the contact, the "
@@ -261,6 +288,8 @@ std::string EnergyWatch::step_remedy() const {
             (passes == 1 ? "" : "es");
   if (by_itself) {
     const int every = stage_.scenario.coupling.damage_every;
+    if (gained && flutters)
+      text += ", or what rubs takes up vibrations (flutter): give bodies a viscosity (-material_<id>_b_d)";
     return text + (every > 1 ? ", or damage is solved too rarely: take a smaller -ts_dt_cfl or -damage_every"
                              : ": take a smaller -ts_dt_cfl");
   }

@@ -41,11 +41,11 @@ ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, Eros
 void ExplicitStep::start(Vec u, Vec v) {
   const Discretisation& d = motion_.discretisation();
   const std::vector<double> place = d.local_of(u), speed = d.local_of(v);
-  double dt = motion_.stable_step(u, place, 1, {});
+  double dt = motion_.stable_step(u, {place, 1, {}}, cells_of_step());
   std::vector<double> before = place; // bulk viscosity knows the velocity by a step
   for (std::size_t i = 0; i < before.size(); ++i) before[i] -= dt * speed[i];
   if (settings_.scaled_step > 0) scale_mass(u, before, dt);
-  dt = motion_.stable_step(u, before, dt, settings_.bulk);
+  dt = motion_.stable_step(u, {before, dt, settings_.bulk}, cells_of_step());
   row_.committed = row_.trial = {dt, 1, 1, 0, contacts_.closing(speed)};
   first_step_ = dt;
   for (ContactInterface& contact : motion_.contacts()) contact.constraints().begin_jumps();
@@ -56,10 +56,16 @@ void ExplicitStep::start(Vec u, Vec v) {
   contacts_.report_multipliers(u);
 }
 
+// Springs of contacts swing too: what strikes is met in time where steps are no longer than beside the
+// stiffest cell.
+CellsOfStep ExplicitStep::cells_of_step() const {
+  return contacts_.penalties().empty() ? CellsOfStep::together : CellsOfStep::stiffest;
+}
+
 void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double dt) {
   StateRow& factors = state_.row("mass_factor");
   const MassScaling& scaling =
-      motion_.scale_mass(u, before, dt, settings_.bulk, settings_.scaled_step, factors);
+      motion_.scale_mass(u, {before, dt, settings_.bulk}, cells_of_step(), settings_.scaled_step, factors);
   if (scaling.share > settings_.scaling_limit)
     throw UserError(ExitCode::usage,
                     text_of("-ts_mass_scaling_dt %.4g: %d cells need %.4g times the mass of all bodies in "
@@ -236,7 +242,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   row_.trial[left] = row_.committed[left] - 1;
   if (row_.trial[left] > 0) return true;
   const double before = row_.committed[of_cells];
-  const double of_those_left = motion_.stable_step(u, *step.u_n, step.dt, settings_.bulk),
+  const double of_those_left = motion_.stable_step(u, {*step.u_n, step.dt, settings_.bulk}, cells_of_step()),
                now = std::isfinite(of_those_left) ? of_those_left : before; // where no cell is left
   tell_of_collapse(now);
   const double often = row_.committed[interval];

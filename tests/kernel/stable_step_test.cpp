@@ -93,7 +93,7 @@ template <class Cell, Frame frame> struct Alone {
     kernels<Cell, frame>().mass_matrix(law, in.X, M);
     reference::lump<Cell>(M, mass);
     bad = kernels<Cell, frame>().motion_tangent(law, in, r, K).bad;
-    step = kernels<Cell, frame>().stable_step(law, in);
+    step = kernels<Cell, frame>().highest_frequency(law, in, nullptr).longest_step();
   }
 
   Dense over_mass(const Batch* matrix, int lane) const {
@@ -148,7 +148,7 @@ TYPED_TEST(StableStep, UndeformedElasticCellsUseMostOfTheTrueLimit) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;
   Sampler random(61);
-  Range range;
+  Range range, fbar;
   for (const double nu : {0.0, 0.2, 0.33, 0.45})
     for (const Locking cure : cures<frame>())
       for (const double aspect : {1.0, 1.0, 2.0, 5.0}) {
@@ -156,13 +156,16 @@ TYPED_TEST(StableStep, UndeformedElasticCellsUseMostOfTheTrueLimit) {
         const reference::CellBatch<Cell, frame> batch(cases);
         const Alone<Cell, frame> alone(elastic(nu, cure), virgin(batch));
         ASSERT_EQ(alone.bad, 0);
-        for (int l = 0; l < lanes; ++l) range.add(alone.step[l] / alone.true_step(l));
+        for (int l = 0; l < lanes; ++l)
+          (cure == Locking::fbar ? fbar : range).add(alone.step[l] / alone.true_step(l));
       }
-  EXPECT_LE(range.most, 1 + 1e-9);
+  EXPECT_LE(std::max(range.most, fbar.most), 1 + 1e-9);
   // What is left out: that a top eigenvector need not be the worst gradient everywhere, in cells of second
   // order less than in others, least in those of serendipity.
   constexpr bool serendipity = is_second_order<Cell> && reference::corners<Cell> == 4 && !has_faces<Cell>;
-  EXPECT_GE(range.least, serendipity ? 0.25 : is_second_order<Cell> ? 0.35 : 0.6);
+  constexpr bool sheet = frame == Frame::plane_stress;
+  EXPECT_GE(range.least, serendipity ? 0.35 : is_second_order<Cell> ? 0.6 : sheet ? 0.8 : 0.93);
+  if (fbar.cells > 0) EXPECT_GE(fbar.least, serendipity ? 0.25 : is_second_order<Cell> ? 0.35 : 0.6);
 }
 
 TEST(StableStepOfOneCell, IsTheTrueLimitOfARegularCellWithoutPoissonsRatio) {
@@ -294,14 +297,15 @@ TYPED_TEST(StableStep, DampedCellsStayBoundedAtIt) {
     double material, bulk, at; // parts of the critical one, about; part of the stable step
   };
   for (const auto& [material, bulk, at] : {Damping{0.05, 0, 1}, Damping{0.5, 0, 1}, Damping{5, 0, 1},
-                                           Damping{0, 0.06, 1}, Damping{0, 0.2, 0.8}}) {
+                                           Damping{0, 0.06, 0.95}, Damping{0, 0.2, 0.8}}) {
     MaterialParameters m = elastic(0.2);
     m.b_d = material * 72e9 * h / c / 4;
     const auto start = disturbed<Cell, frame>(random, 1e-9);
     for (const bool late : {false, true}) {
       March<Cell, frame> march(m, start);
       march.in.bulk_linear = bulk;
-      const Batch step = kernels<Cell, frame>().stable_step(march.law, march.in);
+      const Batch step =
+          kernels<Cell, frame>().highest_frequency(march.law, march.in, nullptr).longest_step();
       double shortest = HUGE_VAL, longest = 0, grown = 0;
       for (int l = 0; l < lanes; ++l) {
         shortest = std::min(shortest, step[l]);
@@ -335,7 +339,7 @@ template <class Cell, Frame frame> struct Damped {
     std::copy_n(alone.mass, Cell::nodes, mass);
     std::copy_n(alone.history, Cell::points * history_size(frame), history);
     in.history = frame == Frame::plane_stress ? history : nullptr;
-    step = kernels<Cell, frame>().stable_step(law, in);
+    step = kernels<Cell, frame>().highest_frequency(law, in, nullptr).longest_step();
     const double h = 1e-10;
     for (int j = 0; j < dofs; ++j) {
       Batch both[2][dofs], last[2][dofs];

@@ -44,7 +44,7 @@ ROWS = [
      "coordinates inside a body, the nearest node is at 1,2.01, 10.6 away"], []),
     ("and at criteria", FILE + DRY + ["-stops", "s", "-stop_s_when", "contact_face_forc_y > 3"], 2, ["has no column 'contact_face_forc_y'; did you mean contact_face_force_y?"], []),
     ("the same words before a run", FILE + ["-ts_max_steps", "1"], 0, ["motion solver: preonly + lu by ", "material lower: gamma is 2"], []),
-    ("a contact in which nothing pressed", FILE + ["-ts_max_steps", "1"], 0, ["impact: contact face: nothing pressed in this run; where something should have"], []),
+    ("a contact in which nothing pressed", FILE + ["-ts_max_steps", "1"], 0, ["impact: contact face: nothing pressed in this run", "where something should have"], []),
     ("no outputs", FILE + DRY + ["-outputs", "none"], 0,
      ["without effect, because -outputs leaves their id out: -output_more_times -output_vis_every"], ["\n-outputs"]),
     ("one output less", FILE + DRY + ["-outputs", "vis"], 0, ["without effect", "-output_more_times", "\n-outputs vis\n"], ["-output_more_"[1:] + "every"]),

@@ -26,8 +26,8 @@ struct CellKernels {
   /// of an explicit step.
   CellStatus (*motion_step)(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive,
                             StepSums&, const HeatFeed&, Batch* r);
-  /// The longest step of central differences at which each cell is stable.
-  Batch (*stable_step)(const PointLaw&, const MotionInput&);
+  /// How fast each cell swings alone; nodal_mass [node] = its mass there, unless nullptr.
+  CellFrequency (*highest_frequency)(const PointLaw&, const MotionInput&, Batch* nodal_mass);
 
   // patches of linear triangles and tetrahedra, which share one volume ratio
   /// Reference volume of each cell, and what it has grown by: int (J - 1) dV_0.

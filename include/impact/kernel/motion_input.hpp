@@ -41,6 +41,14 @@ struct StepSums {
   Batch least_dissipation = 0;   ///< smallest of both integrands of dissipation at a point, at most 0
 };
 
+/// The highest frequency of a cell that swings alone, with damping by the velocity of the last step: a step
+/// of central differences is stable for square dt^2 + 2 damping dt <= 4. `stiffest`: the square as if all of
+/// the cell were strained the way that it resists most.
+struct CellFrequency {
+  Batch square = 0, damping = 0, stiffest = 0;
+  Batch longest_step() const { return (sqrt(damping * damping + 4.0 * square) - damping) / square; }
+};
+
 /// What the heat balance takes from the motion, at the points.
 struct HeatFeed {
   Batch* dissipation =

@@ -26,6 +26,17 @@ struct MarkedCell {
 struct MotionFields;
 struct CellBatch;
 
+/// What a stable step goes by: the stiffest cell alone, strained the way that it resists most; or all that
+/// cells together allow.
+enum class CellsOfStep { stiffest, together };
+
+/// The step that led to a displacement, as bulk viscosity knows it.
+struct StepBefore {
+  const std::vector<double>& u_n;
+  double dt;
+  BulkViscosity bulk;
+};
+
 /// What one attempt of a step holds fixed. Local arrays with ghosts.
 struct MotionStep {
   double t_n = 0, t = 0, dt = 0;
@@ -141,16 +152,19 @@ public:
   void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
   /// Of a discretisation with lumped mass, at each dof.
   Vec lumped_mass() { return mass_.lumped(); }
-  void forget_mass() { mass_.forget(); }
-  /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
-  /// from `u_n`; infinite without deformable bodies. Collective.
-  double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);
-  /// Which cell that was of all ranks: "x=(0,1) in material a"; empty before it was asked for. Collective.
+  void forget_mass() {
+    mass_.forget();
+    frequencies_ = {};
+  }
+  /// The longest step of central differences that is stable at u; infinite without deformable bodies.
+  /// Collective.
+  double stable_step(Vec u, const StepBefore& before, CellsOfStep by);
+  /// By which cell: "x=(0,1) in material a"; empty before it was asked for. Collective.
   std::string slowest_cell() const;
   /// The row, a factor at each point, becomes what cells need for a stable step of at least `wanted`; mass
   /// and kinetic energy are with it from now on. Body forces act on the true mass. Collective.
-  const MassScaling& scale_mass(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk,
-                                double wanted, StateRow& factors);
+  const MassScaling& scale_mass(Vec u, const StepBefore& before, CellsOfStep by, double wanted,
+                                StateRow& factors);
   /// The same with factors that are there. Collective.
   const MassScaling& use_mass(const StateRow& factors);
   const MassScaling& mass_scaling() const { return scaling_; }
@@ -200,6 +214,10 @@ private:
   PatchFields patch_fields(const std::vector<double>& u, double unilateral) const;
   void share(const std::vector<double>& u, double unilateral, PatchState& patches,
              bool pressures = false) const;
+  struct Frequencies {
+    std::vector<Batch> alone, around; // squares
+  };
+  Frequencies find_frequencies() const;
   void rebuild_matrix();
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);
@@ -230,8 +248,10 @@ private:
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies
   const std::vector<CellGroup> no_groups_;
-  MarkedCell broken_;  // the one with the smallest J of those that lost their meaning in an evaluation
-  MarkedCell slowest_; // that with the shortest stable step
+  MarkedCell broken_; // the one with the smallest J of those that lost their meaning in an evaluation
+  Frequencies
+      frequencies_;    // by which steps of central differences are bounded; empty until they are asked for
+  MarkedCell slowest_; // by which steps of central differences are as short as they are
   std::vector<std::size_t> inverted_;
   FacetTable live_load_;
   double reference_force_ = 0;

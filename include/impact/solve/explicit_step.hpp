@@ -56,6 +56,7 @@ private:
   void invert_mass();
   void divide_by_mass(const Rates& now, Vec a);
   double stable_without_contact() const;
+  CellsOfStep cells_of_step() const;
   void scale_mass(Vec u, const std::vector<double>& before, double dt);
   void tell_of_collapse(double dt);
 
