@@ -76,8 +76,10 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   const double w = motion_.discretisation().thickness;
   energies_before_ = energies_;
   DamageLosses by_damage;
-  if (rows_.phi) by_damage = find_damage_losses(motion_.discretisation(), rows_, step);
-  by_damage.add_to(motion_.tally());
+  if (rows_.phi) {
+    by_damage = find_damage_losses(motion_.discretisation(), rows_, step);
+    by_damage.add_to(motion_.tally());
+  }
   const StepWork work = step.integrator.is_explicit() ? forces_.book_explicit(step, a)
                                                       : forces_.book(step, u, v, a, sum(kept) / w);
   const double work_internal = w * work.internal;

@@ -201,8 +201,8 @@ void Friction::advance(const Constraints& constraints) {
     if (next_slip_[state] != 0 && slip_->committed[state] == 0) ++closed_[i];
   constraints.share(next_traction_, m);
   constraints.share(next_slip_, m + 1);
-  traction_->trial = next_traction_;
-  slip_->trial = next_slip_;
+  traction_->trial.swap(next_traction_);
+  slip_->trial.swap(next_slip_);
   traction_.tell_table();
   slip_.tell_table();
 }

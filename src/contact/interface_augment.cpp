@@ -161,8 +161,6 @@ void ContactInterface::end_step(Vec u_n, Vec u, Vec f, StiffnessBound* bound, Ta
   check(VecSet(f, 0));
   end_->force = add_residual(u, 1, f, ending(), [&](const Constraint& c) {
     add_step(c, *end_);
-    if (constraints_->conserving()) // with what friction keeps, as it is for good
-      end_->spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
     friction_.note_end(c);
     if (!bound || !c.active) return;
     add_stiffness_bound(c, stiff, bound->of_bodies);

@@ -99,6 +99,8 @@ void ContactInterface::add_step(const Constraint& c, ContactSums& sums) const {
   friction_.add_heat(c, sums.heat);
   if (c.works_exactly())
     sums.held += c.weight * spring_energy(c.start_gap, friction_.acts() ? friction_.held(c) : Tangential{});
+  if (constraints_->conserving())
+    sums.spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
 }
 
 ContactStep ContactInterface::step(Vec u) const {

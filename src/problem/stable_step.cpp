@@ -20,37 +20,31 @@ int local_node(const CellBatch& batch, int a, int lane) {
 
 } // namespace
 
-// [batch of deformable bodies], undeformed: the square of each cell's frequency, and the largest mean of
-// those around one of its nodes.
-MotionProblem::Frequencies MotionProblem::find_frequencies() const {
-  Frequencies all;
+// Of each cell, undeformed: the largest mean of squares of frequencies around one of its nodes, over its own.
+std::vector<Batch> MotionProblem::find_shares() const {
   const std::size_t dim = at(d_.dim());
   std::vector<double> sums = d_.displacement.make_local(); // at each node, of masses times squares, of masses
-  const auto reference = [&](const CellBatch& batch, auto&& visitor) {
+  std::vector<Batch> squares;
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const auto X = batch.vectors(d_.mesh.coordinates()), still = batch.zero(d_.dim());
     MotionInput in;
     in.X = X.data();
     in.u = still.data();
     if (d_.mass_factor != nullptr) in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
-    auto mass = batch.zero(1);
-    visitor(batch.kernels.highest_frequency(batch.law, in, mass.data()).square, mass);
-  };
-  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
-    reference(batch, [&](const Batch& square, const NodalValues& mass) {
-      auto parts = batch.zero(d_.dim()); // of cells that have left their mass at their nodes, too
-      for (std::size_t a = 0; a < at(mass.size); ++a) {
-        parts.value[dim * a] = square * mass.value[a];
-        parts.value[dim * a + 1] = mass.value[a];
-      }
-      batch.forget_weightless(parts);
-      batch.scatter(parts, sums);
-      all.alone.push_back(square);
-    });
+    auto mass = batch.zero(1), parts = batch.zero(d_.dim());
+    squares.push_back(batch.kernels.highest_frequency(batch.law, in, mass.data()).square);
+    for (std::size_t a = 0; a < at(mass.size); ++a) {
+      parts.value[dim * a] = squares.back() * mass.value[a];
+      parts.value[dim * a + 1] = mass.value[a];
+    }
+    batch.forget_weightless(parts); // others have left their mass at their nodes
+    batch.scatter(parts, sums);
   });
   add_up(d_.displacement, sums);
-  auto alone = all.alone.begin();
+  std::vector<Batch> shares;
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
-    Batch most = *alone++;
+    const Batch& square = squares[shares.size()];
+    Batch around = square;
     for (int l = 0; l < batch.used(); ++l) {
       double largest = 0;
       for (int a = 0; a < batch.nodes(); ++a) {
@@ -58,23 +52,19 @@ MotionProblem::Frequencies MotionProblem::find_frequencies() const {
         if (sum[1] > 0) largest = std::max(largest, sum[0] / sum[1]);
       }
       // Between equal cells the mean is that of each but for rounding.
-      if (std::abs(largest - most[l]) > 1e-12 * most[l] && largest > 0) most.set(l, largest);
+      if (std::abs(largest - square[l]) > 1e-12 * square[l] && largest > 0) around.set(l, largest);
     }
-    all.around.push_back(most);
+    shares.push_back(around / square);
   });
-  return all;
+  return shares;
 }
 
-// A cell may swing as much faster than a step allows it alone as it does, undeformed, than the mean around
-// it: where each one keeps to that, so does the mean. Where a large cell is squeezed the fastest cell alone
-// tells more.
-double MotionProblem::stable_step(Vec u, const StepBefore& before, CellsOfStep by) {
-  const Timed timed(Event::motion_points);
-  if (frequencies_.alone.empty()) frequencies_ = find_frequencies();
+// Batches with the highest frequencies of their cells alone, and by what these go in with their neighbours.
+template <class Visitor>
+void MotionProblem::visit_frequencies(Vec u, const StepBefore& before, CellsOfStep by, Visitor&& visitor) {
+  const bool together = by == CellsOfStep::together;
+  if (together && shares_.empty()) shares_ = find_shares();
   d_.displacement.to_local(u, u_);
-  enum { stiffest, alone, together, bounds };
-  std::array<MarkedCell, bounds> slowest;
-  slowest.fill({HUGE_VAL, {}, -1});
   std::size_t i = 0;
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionFields fields = step_fields(u_, nullptr, batch.law);
@@ -83,25 +73,32 @@ double MotionProblem::stable_step(Vec u, const StepBefore& before, CellsOfStep b
     fields.bulk = before.bulk;
     MotionBatch cells(batch, fields);
     if (d_.mass_factor != nullptr) cells.in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
-    const CellFrequency now = batch.kernels.highest_frequency(batch.law, cells.in, nullptr);
-    const Batch share = frequencies_.around[i] / frequencies_.alone[i];
-    ++i;
-    const std::array<Batch, bounds> steps = {
-        CellFrequency{now.stiffest, now.damping}.longest_step(), now.longest_step(),
-        CellFrequency{share * now.square, share * now.damping}.longest_step()};
-    for (std::size_t k = 0; k < bounds; ++k)
-      for (int l = 0; l < batch.used(); ++l)
-        if (batch.live(l) && steps[k][l] < slowest[k].value)
-          slowest[k] = mark(batch.group, batch.number, l, steps[k][l]);
+    CellFrequency alone = batch.kernels.highest_frequency(batch.law, cells.in, nullptr);
+    if (!together) alone.square = alone.stiffest;
+    visitor(batch, alone, together ? shares_[i++] : Batch(1.0));
   });
-  std::array<double, bounds> longest;
-  for (std::size_t k = 0; k < bounds; ++k) longest[k] = slowest[k].value;
+}
+
+// A cell may swing as much faster than a step allows it alone as it does, undeformed, than the mean around
+// it: where each one keeps to that, so does the mean. Where a large cell is squeezed the fastest cell alone
+// tells more.
+double MotionProblem::stable_step(Vec u, const StepBefore& before, CellsOfStep by) {
+  const Timed timed(Event::motion_points);
+  std::array<MarkedCell, 2> slowest; // alone, together
+  slowest.fill({HUGE_VAL, {}, -1});
+  visit_frequencies(
+      u, before, by, [&](const CellBatch& batch, const CellFrequency& alone, const Batch& share) {
+        const std::array<Batch, 2> steps = {
+            alone.longest_step(), CellFrequency{share * alone.square, share * alone.damping}.longest_step()};
+        for (std::size_t k = 0; k < steps.size(); ++k)
+          for (int l = 0; l < batch.used(); ++l)
+            if (batch.live(l) && steps[k][l] < slowest[k].value)
+              slowest[k] = mark(batch.group, batch.number, l, steps[k][l]);
+      });
+  std::array<double, 2> longest = {slowest[0].value, slowest[1].value};
   min_over_ranks(d_.mesh.comm(), longest);
-  const std::size_t which = by == CellsOfStep::stiffest           ? stiffest
-                            : longest[together] >= longest[alone] ? together
-                                                                  : alone;
-  slowest_ = slowest[which];
-  return longest[which];
+  slowest_ = slowest[longest[1] >= longest[0] ? 1 : 0];
+  return std::max(longest[0], longest[1]);
 }
 
 std::string MotionProblem::slowest_cell() const {
@@ -113,35 +110,23 @@ std::string MotionProblem::slowest_cell() const {
 // cells around a node it holds there; those around nodes that need none get none.
 const MassScaling& MotionProblem::scale_mass(Vec u, const StepBefore& before, CellsOfStep by, double wanted,
                                              StateRow& factors) {
-  frequencies_ = find_frequencies();
-  d_.displacement.to_local(u, u_);
   std::fill(factors.committed.begin(), factors.committed.end(), 1.0);
-  std::size_t i = 0;
-  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
-    MotionFields fields = step_fields(u_, nullptr, batch.law);
-    fields.u_n = &before.u_n;
-    fields.dt = before.dt;
-    fields.bulk = before.bulk;
-    const MotionBatch cells(batch, fields);
-    const CellFrequency now = batch.kernels.highest_frequency(batch.law, cells.in, nullptr);
-    const bool stiffest = by == CellsOfStep::stiffest;
-    const Batch share = stiffest ? Batch(1.0) : frequencies_.around[i] / frequencies_.alone[i],
-                square = stiffest ? now.stiffest : now.square;
-    ++i;
-    auto factor = batch.load<1>(factors.committed);
-    for (int l = 0; l < batch.used(); ++l) {
-      const double needed = wanted * (square[l] * wanted + 2 * now.damping[l]) / 4;
-      if (needed > 1 && needed * share[l] > 1)
-        for (Batch& at_point : factor.all()) at_point.set(l, needed);
-    }
-    batch.store(factor, factors.committed);
-  });
+  visit_frequencies(u, before, by,
+                    [&](const CellBatch& batch, const CellFrequency& alone, const Batch& share) {
+                      auto factor = batch.load<1>(factors.committed);
+                      for (int l = 0; l < batch.used(); ++l) {
+                        const double needed = wanted * (alone.square[l] * wanted + 2 * alone.damping[l]) / 4;
+                        if (needed > 1 && needed * share[l] > 1)
+                          for (Batch& at_point : factor.all()) at_point.set(l, needed);
+                      }
+                      batch.store(factor, factors.committed);
+                    });
   return use_mass(factors);
 }
 
 const MassScaling& MotionProblem::use_mass(const StateRow& factors) {
   scaling_ = {};
-  frequencies_ = {};
+  shares_.clear();
   mass_.scale(&factors.committed);
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const auto factor = batch.load<1>(factors.committed);

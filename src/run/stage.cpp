@@ -338,8 +338,10 @@ void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   setup->boundary.set_exact_velocity(loads.t_n, loads.t, rows.prescribed_velocity.committed,
                                      rows.prescribed_velocity.trial);
   if (!setup->contacts.empty()) {
-    if (!before) before = d.displacement.make_global();
-    d.displacement.to_global(rows.u.committed, before);
+    if (!coupling.explicit_step()) { // whose contacts have ended their step
+      if (!before) before = d.displacement.make_global();
+      d.displacement.to_global(rows.u.committed, before);
+    }
     setup->contacts.advance(before, u_new, attempt.dt);
   }
   if (ExplicitStep* const step = coupling.explicit_step()) step->accept();

@@ -258,7 +258,8 @@ public:
   void end_step(Vec u_n, Vec u, Vec f, StiffnessBound* bound, Tally& tally);
   /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule; of
   /// a stabilised step the momentum gained, and the work of the force at its end. A call with u_n = u and dt
-  /// = 0 before the first step records the force of the start. Ends the step if that has not been done.
+  /// = 0 before the first step records the force of the start. Ends the step if that has not been done; else
+  /// u_n is not asked for, and may be null.
   void advance(Vec u_n, Vec u, double dt);
   /// Before advance.
   ContactStep step(Vec u) const;

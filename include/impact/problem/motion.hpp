@@ -1,7 +1,6 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/ranks.hpp>
 #include <impact/problem/body_load.hpp>
 #include <impact/problem/force_balance.hpp>
 #include <impact/problem/mass_matrix.hpp>
@@ -92,9 +91,10 @@ public:
   /// Runs what evaluates data of the step and does not communicate. A UserError that it throws on some ranks
   /// only is thrown on all of them: at once, in explicit steps by the `advance` that follows. Collective.
   template <class Body> void evaluate(Body&& body) {
-    data_errors_.note(body);
-    if (d_.lumped_mass) return;
-    data_errors_.agree(d_.mesh.comm(), max_over_ranks(d_.mesh.comm(), data_errors_.worst()));
+    if (d_.lumped_mass)
+      data_errors_.note(body);
+    else
+      agree_on_errors(d_.mesh.comm(), body);
   }
   /// What parts of an explicit step have to sum up or to compare over the ranks: until `advance` with what
   /// the cells have, and after it until the step is booked.
@@ -154,7 +154,7 @@ public:
   Vec lumped_mass() { return mass_.lumped(); }
   void forget_mass() {
     mass_.forget();
-    frequencies_ = {};
+    shares_.clear();
   }
   /// The longest step of central differences that is stable at u; infinite without deformable bodies.
   /// Collective.
@@ -214,10 +214,9 @@ private:
   PatchFields patch_fields(const std::vector<double>& u, double unilateral) const;
   void share(const std::vector<double>& u, double unilateral, PatchState& patches,
              bool pressures = false) const;
-  struct Frequencies {
-    std::vector<Batch> alone, around; // squares
-  };
-  Frequencies find_frequencies() const;
+  std::vector<Batch> find_shares() const;
+  template <class Visitor>
+  void visit_frequencies(Vec u, const StepBefore& before, CellsOfStep by, Visitor&& visitor);
   void rebuild_matrix();
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);
@@ -248,10 +247,9 @@ private:
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies
   const std::vector<CellGroup> no_groups_;
-  MarkedCell broken_; // the one with the smallest J of those that lost their meaning in an evaluation
-  Frequencies
-      frequencies_;    // by which steps of central differences are bounded; empty until they are asked for
-  MarkedCell slowest_; // by which steps of central differences are as short as they are
+  MarkedCell broken_;         // the one with the smallest J of those that lost their meaning in an evaluation
+  std::vector<Batch> shares_; // of find_shares; empty until they are asked for
+  MarkedCell slowest_;        // by which steps of central differences are as short as they are
   std::vector<std::size_t> inverted_;
   FacetTable live_load_;
   double reference_force_ = 0;
