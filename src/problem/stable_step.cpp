@@ -63,7 +63,7 @@ std::vector<Batch> MotionProblem::find_shares() const {
 template <class Visitor>
 void MotionProblem::visit_frequencies(Vec u, const StepBefore& before, CellsOfStep by, Visitor&& visitor) {
   const bool together = by == CellsOfStep::together;
-  if (together && shares_.empty()) shares_ = find_shares();
+  if (together && !shares_) shares_ = find_shares();
   d_.displacement.to_local(u, u_);
   std::size_t i = 0;
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
@@ -75,7 +75,7 @@ void MotionProblem::visit_frequencies(Vec u, const StepBefore& before, CellsOfSt
     if (d_.mass_factor != nullptr) cells.in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
     CellFrequency alone = batch.kernels.highest_frequency(batch.law, cells.in, nullptr);
     if (!together) alone.square = alone.stiffest;
-    visitor(batch, alone, together ? shares_[i++] : Batch(1.0));
+    visitor(batch, alone, together ? (*shares_)[i++] : Batch(1.0));
   });
 }
 
@@ -126,7 +126,7 @@ const MassScaling& MotionProblem::scale_mass(Vec u, const StepBefore& before, Ce
 
 const MassScaling& MotionProblem::use_mass(const StateRow& factors) {
   scaling_ = {};
-  shares_.clear();
+  shares_.reset();
   mass_.scale(&factors.committed);
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const auto factor = batch.load<1>(factors.committed);

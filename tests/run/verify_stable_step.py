@@ -6,7 +6,7 @@ import re
 import subprocess
 
 import numpy
-from _runs import check, check_between, finish, require, run
+from _runs import check, check_between, finish, mesh, require, run
 
 E, NU, RHO = 1e6, 0.3, 1000.0
 with open("ball.geo", "w", encoding="ascii") as file:
@@ -82,4 +82,11 @@ for part, most in ((0.999, 0), (1.5, 0.05)):
     check_between(f"{part} of the stable step: part of the cells that get mass", many / len(cells), 1e-9 if most else 0, 0.2 if most else 0)
     check_between(f"{part} of the stable step: the step that is stable then, over it", told(scaled) / step, max(part, 1) * (1 - 1e-9), 10)
 require("nothing else is told", "WARNING" not in scaled.log)
+
+print("a rank that has cells of a rigid body alone")
+apart = run("apart", {"mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 2, "mesh_set_gap": 0.1, "materials": "lower,upper",
+                      "material_lower_model": "rigid", "material_lower_rho": RHO, "material_upper_E": E, "material_upper_nu": NU, "material_upper_rho": RHO,
+                      "ics": "v", "ic_v_on": "upper", "ic_v_vy": "0.1*sin(3*x)", "petscpartitioner_type": "simple", "ts_type": "central_difference",
+                      "ts_max_steps": 200, "ts_max_time": 1e9}, ranks=2)
+require("ends", "200" in apart.log and "-ts_max_steps" in apart.log)
 finish()

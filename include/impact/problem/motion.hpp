@@ -154,7 +154,7 @@ public:
   Vec lumped_mass() { return mass_.lumped(); }
   void forget_mass() {
     mass_.forget();
-    shares_.clear();
+    shares_.reset();
   }
   /// The longest step of central differences that is stable at u; infinite without deformable bodies.
   /// Collective.
@@ -247,9 +247,9 @@ private:
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies
   const std::vector<CellGroup> no_groups_;
-  MarkedCell broken_;         // the one with the smallest J of those that lost their meaning in an evaluation
-  std::vector<Batch> shares_; // of find_shares; empty until they are asked for
-  MarkedCell slowest_;        // by which steps of central differences are as short as they are
+  MarkedCell broken_; // the one with the smallest J of those that lost their meaning in an evaluation
+  std::optional<std::vector<Batch>> shares_; // of find_shares, once they are asked for
+  MarkedCell slowest_;                       // by which steps of central differences are as short as they are
   std::vector<std::size_t> inverted_;
   FacetTable live_load_;
   double reference_force_ = 0;
