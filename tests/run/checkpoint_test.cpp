@@ -1,4 +1,5 @@
 #include "../mesh/small_mesh.hpp"
+#include "io_error.hpp"
 #include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -124,16 +125,6 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
   return CheckpointWriter(state, std::move(folder)).write(values);
 }
 
-std::string error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const UserError& error) {
-    EXPECT_EQ(error.code(), ExitCode::io) << error.what();
-    return error.what();
-  }
-  return {};
-}
-
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
@@ -256,7 +247,7 @@ TEST(Checkpoint, RefusesAnotherMesh) {
       open_checkpoint(PETSC_COMM_WORLD, write_checkpoint(written.state(), some_values, {dir, 2}));
   for (const std::string& text : {two_bodies(6, 1e-3), two_bodies(5), two_bodies(7)}) {
     Case other(mesh_of(PETSC_COMM_WORLD, dir, text), "lower top");
-    EXPECT_TRUE(contains(error_of([&] { read_checkpoint(found, other.state()); }), "another mesh"));
+    EXPECT_TRUE(contains(io_error_of([&] { read_checkpoint(found, other.state()); }), "another mesh"));
   }
 }
 
@@ -266,7 +257,7 @@ TEST(Checkpoint, RefusesOtherRowsAndNamesThem) {
   const auto found =
       open_checkpoint(PETSC_COMM_WORLD, write_checkpoint(written.state(), some_values, {dir, 2}));
   written.table.add({"theta", Support::vertex, 1}, static_cast<std::size_t>(written.mesh.node_count()));
-  EXPECT_TRUE(contains(error_of([&] { read_checkpoint(found, written.state()); }), "theta (vertex, 1)"));
+  EXPECT_TRUE(contains(io_error_of([&] { read_checkpoint(found, written.state()); }), "theta (vertex, 1)"));
 }
 
 /// Three checkpoints of one case, keeping all; returns their names.
@@ -322,7 +313,7 @@ TEST(Checkpoint, FallsBackFromDamagedFilesWithAWarning) {
       fs::copy_file(copy_manifest, manifest(bad), fs::copy_options::overwrite_existing);
       damage();
     });
-    EXPECT_TRUE(contains(error_of([&] { open_checkpoint(PETSC_COMM_WORLD, bad); }), reason)) << reason;
+    EXPECT_TRUE(contains(io_error_of([&] { open_checkpoint(PETSC_COMM_WORLD, bad); }), reason)) << reason;
     const auto found = newest_checkpoint(PETSC_COMM_WORLD, dir);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->file, good);
@@ -342,7 +333,7 @@ TEST(Checkpoint, NeverStartsAnewWhenAllAreDamaged) {
   on_rank_zero(PETSC_COMM_WORLD, [&] {
     for (const std::string& file : files) fs::resize_file(file, 100);
   });
-  const std::string message = error_of([&] { newest_checkpoint(PETSC_COMM_WORLD, dir); });
+  const std::string message = io_error_of([&] { newest_checkpoint(PETSC_COMM_WORLD, dir); });
   for (const std::string& file : files) EXPECT_TRUE(contains(message, file)) << message;
 }
 
@@ -356,7 +347,7 @@ TEST(Checkpoint, IgnoresAndClearsWhatAKillLeft) {
     fs::copy_file(first, orphan);
   });
   EXPECT_EQ(newest_checkpoint(PETSC_COMM_WORLD, dir)->file, first);
-  EXPECT_TRUE(contains(error_of([&] { open_checkpoint(PETSC_COMM_WORLD, orphan); }), "not finished"));
+  EXPECT_TRUE(contains(io_error_of([&] { open_checkpoint(PETSC_COMM_WORLD, orphan); }), "not finished"));
   const std::string next = write_checkpoint(c.state(), {0.2, 20, {}}, {dir, 2});
   EXPECT_EQ(fs::path(next).filename(), "checkpoint_000004.h5");
   EXPECT_FALSE(fs::exists(stale));
@@ -381,7 +372,7 @@ TEST(Checkpoint, SaysOnAllRanksWhyItCannotWrite) {
   const std::string dir = fresh_dir("unwritable");
   Case c(mesh_of(PETSC_COMM_WORLD, dir, two_bodies(4)), "lower top");
   on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(dir + "/file") << "x"; });
-  const std::string message = error_of([&] {
+  const std::string message = io_error_of([&] {
     write_checkpoint(c.state(), some_values, {dir + "/file/below", 2});
   });
   EXPECT_TRUE(contains(message, dir + "/file/below") && contains(message, "Not a directory")) << message;
@@ -389,7 +380,7 @@ TEST(Checkpoint, SaysOnAllRanksWhyItCannotWrite) {
   const std::string good = write_checkpoint(c.state(), some_values, {dir, 1});
   {
     const FileSizeLimit limit(2000);
-    EXPECT_TRUE(contains(error_of([&] {
+    EXPECT_TRUE(contains(io_error_of([&] {
                            write_checkpoint(c.state(), some_values, {dir, 1});
                          }),
                          "File too large"));

@@ -1,4 +1,5 @@
 #include "../mesh/small_mesh.hpp"
+#include "io_error.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
 #include <impact/io/durable_file.hpp>
@@ -184,16 +185,6 @@ void expect_right(const std::string& path, const Mesh& mesh, const std::vector<d
 
 void check_file(const std::string& path, const Mesh& mesh, const std::vector<double>& times) {
   on_rank_zero(PETSC_COMM_WORLD, [&] { expect_right(path, mesh, times); });
-}
-
-std::string io_error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const UserError& error) {
-    EXPECT_EQ(error.code(), ExitCode::io);
-    return error.what();
-  }
-  return {};
 }
 
 TEST(FieldOutput, IsCompleteAfterEveryWriteOnAMixedMesh) {

@@ -1,4 +1,5 @@
 #include "../mesh/small_mesh.hpp"
+#include "io_error.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
 #include <impact/io/durable_file.hpp>
@@ -11,6 +12,7 @@ namespace {
 
 using run_test::FileSizeLimit;
 using run_test::fresh_dir;
+using run_test::io_error_of;
 
 HistoryFile::Row row(double step) { return {{"step", step}, {"time", step / 3}, {"energy", -step * 1e-300}}; }
 
@@ -26,16 +28,6 @@ std::vector<std::string> lines_of(const std::string& file) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
-}
-
-std::string io_error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const UserError& error) {
-    EXPECT_EQ(error.code(), ExitCode::io);
-    return error.what();
-  }
-  return {};
 }
 
 TEST(HistoryFile, HoldsOneLineOfNamesAndExactNumbers) {
