@@ -18,7 +18,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       r_(d_.node_values(1)), constant_(d_.node_values(1)), flows_(moves && d_.has_plasticity()) {
   const std::size_t points = d_.point_values(1);
   points_.resize(points * heat_point_size);
-  const int stresses = gradient_size(d_.frame);
+  const int stresses = stress_size(d_.frame);
   if (moves && settings_.form == HeatForm::energy)
     stress_ = &state.add({"stress", Support::cell_point, stresses}, points * at(stresses));
   if (moves && d_.any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0; }))
@@ -131,6 +131,7 @@ bool HeatProblem::visit_batches(const std::vector<double>& theta, Reads reads, B
     const auto X = batch.vectors(d_.mesh.coordinates());
     const auto now = batch.scalars(theta), before = batch.scalars(theta_at_start());
     NodalValues u(X.size), u_n(X.size), phi(now.size), phi_n(now.size);
+    BatchArray<1> patch(1), patch_n(1), patch_work(1);
     auto A = batch.histories(), A_n = batch.histories();
     auto E = batch.points<drive_size>(), E_n = batch.points<drive_size>();
     auto P = batch.stresses(), P_n = batch.stresses();
@@ -153,7 +154,6 @@ bool HeatProblem::visit_batches(const std::vector<double>& theta, Reads reads, B
       put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
     if (in.u) batch.forget_eroded(u);
     if (in.u_n) batch.forget_eroded(u_n);
-    BatchArray<1> patch(1), patch_n(1);
     put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
     // A ductile degradation asks for alpha, a split by principal stretches for what is elastic of them,
     // sheets for their stretch across.
@@ -165,6 +165,7 @@ bool HeatProblem::visit_batches(const std::vector<double>& theta, Reads reads, B
     if (all) {
       in.patch = batch.read_shared(patches_.J_minus_1, patch);
       in.patch_n = batch.read_shared(patches_n_.J_minus_1, patch_n);
+      in.patch_work = batch.read_shared(patch_work_, patch_work);
       if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
       // Linear in time like F: the works of the sub-steps add up to that of the step.
       if (stress_) put(&step_stress_, P, in.stress, &stress_->committed, P_n, in.stress_n);
@@ -175,8 +176,7 @@ bool HeatProblem::visit_batches(const std::vector<double>& theta, Reads reads, B
       in.dissipation = batch.read(step_.dissipation, dissipation);
       for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
     }
-    in.dt = t_ - t_n_, in.theta_h = settings_.theta, in.form = settings_.form;
-    in.lumped = d_.lumped_capacity;
+    in.dt = t_ - t_n_, in.theta_h = settings_.theta, in.form = settings_.form, in.lumped = d_.lumped_capacity;
     sound = batch.broken(body(batch, in)) == 0 && sound;
   });
   return sound;
@@ -191,11 +191,24 @@ void HeatProblem::share_volume(double part, PatchState& patches) const {
   share_volumes(d_, {&u}, patches);
 }
 
+// The work of the pressures of patches in the window, per volume.
+void HeatProblem::share_work() {
+  patch_work_.clear();
+  if (stress_ == nullptr || d_.patches.empty()) return;
+  PatchSum work(d_);
+  visit_batches(x_, Reads::window, [&](const CellBatch& batch, const HeatInput& in) {
+    if (batch.patched()) work.add(batch, batch.kernels.pressure_work(in));
+    return 0;
+  });
+  work.put_mean(patches_, patch_work_);
+}
+
 bool HeatProblem::make_constant_part() {
   const Timed timed(Event::heat_loads);
   std::fill(constant_.begin(), constant_.end(), 0.0);
   share_volume(window_.end, patches_);
   share_volume(window_.begin, patches_n_);
+  share_work();
   const bool sound = visit_batches(x_, Reads::window, [&](const CellBatch& batch, const HeatInput& in) {
     auto points = batch.points<heat_point_size>();
     auto r = batch.zero(1);

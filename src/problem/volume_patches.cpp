@@ -162,6 +162,16 @@ void share_volumes(const Discretisation& d, const PatchFields& fields, PatchStat
   if (vary || pressures || !d.patch_scale.empty()) find_pressures(d, fields, state);
 }
 
+PatchSum::PatchSum(const Discretisation& d) : d_(d), sum_(at(d.patches.count()), 0.0) {}
+
+void PatchSum::add(const CellBatch& batch, const Batch& of_cells) { add_up(batch, {{of_cells, &sum_}}); }
+
+void PatchSum::put_mean(const PatchState& state, std::vector<double>& row) const {
+  std::vector<double> mean = sum_;
+  divide(mean, state.volume);
+  spread(d_.patches, {&mean}, row);
+}
+
 double add_patch_tangents(const Discretisation& d, const std::vector<double>& u, const PatchState& state,
                           const std::vector<double>& free,
                           const std::function<void(int stencil, int batch, const Batch* K)>& body) {

@@ -278,7 +278,7 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
     if (k % 8 == 3) m.ge = Degradation::ductile, m.alpha_c = 0.05;
     const PointLaw law{m};
     const Case<Cell, frame> c(random);
-    Batch history[2][Cell::points * parts], stress[2][Cell::points * gradient_size(frame)], force[2][dofs],
+    Batch history[2][Cell::points * parts], stress[2][Cell::points * stress_size(frame)], force[2][dofs],
         drive_n[Cell::points * drive_size], drive[2][Cell::points * drive_size];
     for (auto& x : drive_n) x = random.uniform(0, 1e6);
     const Batch *u[2] = {c.batch.u_n, c.batch.u}, *phi[2] = {c.phi_n, c.batch.phi},

@@ -38,7 +38,7 @@ void expect_same(const StepSums& one, const StepSums& other, const std::string& 
 template <class Cell, Frame frame>
 void one_pass_is_both(const MaterialParameters& m, const std::string& name, Sampler& random, bool heats) {
   constexpr int dofs = Cell::nodes * Cell::dim, points = Cell::points, size = history_size(frame),
-                gradients = gradient_size(frame);
+                gradients = stress_size(frame);
   const PointLaw law{m};
   const auto cases = reference::cases<Cell, frame>(random, 0.02);
   const reference::CellBatch<Cell, frame> batch(cases);

@@ -76,7 +76,7 @@ const Rows known = {
     {"prescribed_velocity", {Support::vertex, 2}}, // of dofs with acceleration data
     {"phi", {Support::vertex, 1}},
     {"theta", {Support::vertex, 1}},
-    {"stress", {Support::cell_point, 4}},  // P of the motion, for the work of the next step
+    {"stress", {Support::cell_point, 5}},  // P and p of the motion, for the work of the next step
     {"ledger_heat", {Support::global, 3}}, // supplied, its entropy, entropy at the start
     {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
     {"drive", {Support::cell_point, 3}},

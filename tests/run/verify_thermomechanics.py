@@ -38,6 +38,27 @@ for rise, reference in ((100, -205.266), (1000, -1998.28)):
     for k in ("xx", "yy", "zz"):
         runs.check(f"G5 alpha dT = {1e-5 * rise}: stress {k}", run["probe_p_stress_" + k][-1], exact, 1e-10)
 
+# Energy form: a plate that is sheared without expansion and flow keeps its temperature at every node, under each cure of locking. The
+# pressure that points share would warm one and cool another (294 to 321 K) where it worked on the volume of the point alone.
+PLATE = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_lx": 10, "mesh_set_ly": 4, "mesh_set_n": 20,
+         "mesh_set_ny": 8, "materials": "solid", "material_solid_E": 2e5, "material_solid_nu": 0.3, "material_solid_c_v": 3.6,
+         "material_solid_theta0": 300, "heat_form": "energy", "bcs": "l,r", "bc_l_on": "left", "bc_l_type": "fix", "bc_r_on": "right", "bc_r_ux": 0,
+         "bc_r_uy": "0.5*t", "ts_max_time": 1}
+SPACE = {"mesh_set_dim": 3, "mesh_set_n": 5, "mesh_set_ny": 2, "mesh_set_nz": 1, "bc_r_uz": 0}
+for name, extra, most in (
+        ("quadrilaterals", {"material_solid_locking": "mean"}, 0.1), ("F-bar", {"material_solid_locking": "fbar"}, 0.5),
+        ("triangles", {"mesh_set_simplex": 1, "material_solid_locking": "mean"}, 0.1),
+        ("triangles in rings", {"mesh_set_simplex": 1, "material_solid_locking": "mean", "plane": "axisymmetric", "mesh_set_n": 6,
+                                "mesh_set_ny": 3}, 0.1),
+        ("second order", {"order": 2, "mesh_set_n": 6, "mesh_set_ny": 3, "material_solid_locking": "mean"}, 0.1),
+        ("triangles of second order", {"order": 2, "mesh_set_simplex": 1, "mesh_set_n": 6, "mesh_set_ny": 3, "material_solid_locking": "mean"}, 0.1),
+        ("tetrahedra", {**SPACE, "mesh_set_simplex": 1, "material_solid_locking": "mean"}, 0.1),
+        ("hexahedra", {**SPACE, "material_solid_locking": "mean"}, 0.1)):
+    run = runs.run("plate", {**PLATE, **extra, "ts_dt": 0.1})
+    for end in ("theta_min", "theta_max"):
+        runs.check(f"sheared plate of {name}: {end}", run[end][-1], 300, most, relative=False)
+    runs.check(f"sheared plate of {name}: first law", abs(run["balance_first_law"]).max(), 0, 1e-9, relative=False)
+
 # G3: a ring with a hot bore, small strains: radial and hoop stress of Timoshenko and Goodier.
 with open("ring.geo", "w") as file:
     file.write("""n = 48;

@@ -86,6 +86,8 @@ template <class Cell, Frame frame> struct StepForces {
     const Batch minus_q = bulk_stress<frame>(bulk, H);
     for (int i = 0; i < 3; ++i) tau[i] += minus_q;
   }
+  /// Pressure, as a stress, of bulk viscosity, which goes by the volume of the cell.
+  Batch pressure() const { return pressed ? bulk.viscosity * bulk.rate / bulk.J : Batch(0.0); }
   /// What bulk viscosity loses in a step, per volume.
   Batch lost(double dt) const { return dt * (bulk.viscosity * (bulk.rate * bulk.rate)); }
   /// r += the force; the lanes in which it is not finite.
@@ -139,7 +141,9 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
         Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
         if (forces) force.press(s.H[q], tau);
         const Tensor<Batch, d> P = first_piola(tau, e.k.inverse_F);
-        for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
+        Batch* const stress = &heat.stress[q * stress_size(frame)];
+        for (int i = 0; i < gradient_size(frame); ++i) stress[i] = P[i];
+        stress[gradient_size(frame)] = forces && !is_linear_simplex<Cell> ? e.p + force.pressure() : e.p;
       }
       if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, lost);
       if (forces && heat.dissipation) heat.dissipation[q] += force.lost(in.dt);

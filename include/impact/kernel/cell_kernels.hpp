@@ -67,6 +67,8 @@ struct CellKernels {
   /// r [node] += int N_a source dV_0 with source [point] per reference volume; sum (per lane) += int source
   /// dV_0.
   void (*heat_source)(const Batch* X, const Batch* source, Batch* r, Batch& sum);
+  /// Work of the pressure p of in.stress on the volumes of cells of a patch, in the energy form.
+  Batch (*pressure_work)(const HeatInput& in);
 
   // measures
   void (*stored_energy)(const PointLaw&, const EnergyInput&, EnergySums&);

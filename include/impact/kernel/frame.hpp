@@ -18,6 +18,8 @@ inline constexpr bool is_flat(Frame f) { return f == Frame::plane_strain || f ==
 /// Number of components of Grad u that the nodes decide on: 11 12 21 22 (plane strain and stress), + 33
 /// (axisymmetric), row-major 3x3 (solid).
 inline constexpr int gradient_size(Frame f) { return is_flat(f) ? 4 : f == Frame::axisymmetric ? 5 : 9; }
-inline constexpr int max_gradient_size = 9;
+/// P in the same components, and the pressure p of the locking cure.
+inline constexpr int stress_size(Frame f) { return gradient_size(f) + 1; }
+inline constexpr int max_stress_size = 10;
 
 } // namespace impact

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/heat_input.hpp>
+#include <impact/kernel/heat_work.hpp>
 #include <impact/kernel/lumped_mass.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/point_geometry.hpp>
@@ -141,17 +142,6 @@ template <class Cell, Frame frame> struct HeatState {
   }
 };
 
-/// 1/2 (P + P_n) : (F - F_n).
-template <class Cell, Frame frame>
-Batch work_of_stress(const HeatInput& in, const Tensor<Batch, Cell::dim>& H,
-                     const Tensor<Batch, Cell::dim>& H_n, int q) {
-  constexpr int n = gradient_size(frame);
-  Batch work = Batch(0.0);
-  for (int i = 0; i < n; ++i)
-    work += (0.5 * (in.stress[q * n + i] + in.stress_n[q * n + i])) * (H[i] - H_n[i]);
-  return work;
-}
-
 /// What damage and fatigue of the step bring into the energy, with the flux of the crack energy, or
 /// dissipate.
 template <class Cell, Frame frame>
@@ -181,7 +171,9 @@ template <class Cell, Frame frame, class Law>
   const HeatState<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n,
                                       in.patch_n);
   int bad = 0;
-  Batch sum = Batch(0.0);
+  Batch sum = Batch(0.0), unshared[Cell::points] = {};
+  const bool works = energy && in.u && in.stress;
+  if (works && m.locking != Locking::none) unshared_work(in, now.cell, before.cell, unshared);
   for (int q = 0; q < Cell::points; ++q) {
     const auto X = point_geometry<Cell, frame>(in.X, q);
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history),
@@ -215,8 +207,7 @@ template <class Cell, Frame frame, class Law>
     else if (in.dissipation)
       local -= in.dissipation[q];
     if (has_damage) add_damage<Cell, frame>(law, in, X, inverse_F, q, local, flux);
-    if (energy && in.u && in.stress)
-      local -= work_of_stress<Cell, frame>(in, now.cell.H[q], before.cell.H[q], q);
+    if (works) local += unshared[q] - work_of_stress<Cell, frame>(in, now.cell.H[q], before.cell.H[q], q);
     if (in.theta_h < 1 && m.conductivity != 0) {
       const auto k = conducted<d>(m, g_n, in.u ? &inverse_F_n : nullptr, J_n,
                                   gradient_of_scalar<Cell, frame>(X, in.theta_n));

@@ -37,8 +37,9 @@ inline const HeatPoint& heat_point_at(const Batch* points, int q) {
 /// exchange in the entropy form.
 struct HeatInput : CellFields {
   const Batch* dissipation = nullptr; ///< [point] of the step per volume; nullptr = none
-  const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u
+  const Batch* stress = nullptr;   ///< [point][stress_size] P, p of the motion at t_{n+1}; energy form with u
   const Batch* stress_n = nullptr; ///< at t_n
+  const Batch* patch_work = nullptr; ///< work of p per volume of the patch; null: of the cell
   double theta_h = 1;
   HeatForm form = HeatForm::entropy;
   bool lumped = false; ///< c_V stands at the nodes, by the weights of LumpedMass

@@ -53,7 +53,7 @@ struct CellFrequency {
 struct HeatFeed {
   Batch* dissipation =
       nullptr;             ///< [point] g_p k_d dalpha + b_d |C - C_n|^2/dt, energy per volume of the step
-  Batch* stress = nullptr; ///< [point][gradient_size] P = tau F^-T, all parts
+  Batch* stress = nullptr; ///< [point][stress_size] P = tau F^-T, all parts, and of them the p of the cure
 };
 
 } // namespace impact

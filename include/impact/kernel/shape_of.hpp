@@ -33,6 +33,7 @@ inline constexpr CellKernels cell_kernels = {
     .heat_residual = heat_residual<Cell, frame>,
     .heat_tangent = heat_tangent<Cell, frame>,
     .heat_source = heat_source<Cell, frame>,
+    .pressure_work = pressure_work<Cell, frame>,
     .stored_energy = stored_energy<Cell, frame>,
     .stored_heat = stored_heat<Cell, frame>,
     .cell_integral = cell_integral<Cell, frame>,

@@ -202,8 +202,8 @@ struct CellBatch {
   PointValues<max_history_size> histories() const {
     return PointValues<max_history_size>(group, history_size(d.frame));
   }
-  PointValues<max_gradient_size> stresses() const {
-    return PointValues<max_gradient_size>(group, gradient_size(d.frame));
+  PointValues<max_stress_size> stresses() const {
+    return PointValues<max_stress_size>(group, stress_size(d.frame));
   }
   template <int most> void load(std::span<const double> row, PointValues<most>& values) const {
     std::copy_n(row.data() + place(values), values.size * lanes, reinterpret_cast<double*>(values.value));

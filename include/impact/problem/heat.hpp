@@ -81,6 +81,7 @@ private:
   template <class Body> bool visit_batches(const std::vector<double>& theta, Reads reads, Body&& body);
   bool make_constant_part();
   void share_volume(double part, PatchState& patches) const;
+  void share_work();
   void residual(SNES, Vec x, Vec f);
   void tangent(SNES, Vec x, Mat, Mat);
   void book();
@@ -105,6 +106,7 @@ private:
   std::vector<double> load_,
       load_supplied_;              ///< nodal heat by what the temperature does not change, and its sums
   PatchState patches_, patches_n_; ///< at the ends of the window
+  std::vector<double> patch_work_; ///< of their pressures, a row like theirs
   double residual_tol_ = 0;        ///< absolute, as the options say
   bool flows_, holds_ = false;     // whether anything flows; holds temperatures
   std::vector<ContactHeat> contacts_;

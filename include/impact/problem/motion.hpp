@@ -56,7 +56,7 @@ struct MotionStep {
 /// point rows of the state table.
 struct HeatRows {
   std::vector<double>* dissipation = nullptr; ///< one component
-  std::vector<double>* stress = nullptr;      ///< gradient_size components, for the step to come
+  std::vector<double>* stress = nullptr;      ///< stress_size components, for the step to come
   /// For this step, whose work is that of the mean of `stress` at its start and this: `stress` and, of the
   /// stress that acts over the step as a whole, twice.
   std::vector<double>* step_stress = nullptr;

@@ -10,6 +10,8 @@
 /// mean dilatation over the cells of a patch (theory.md, volumetric locking).
 namespace impact {
 
+struct Batch;
+struct CellBatch;
 struct Discretisation;
 struct MaterialAssignment;
 class SoftVolume;
@@ -57,6 +59,19 @@ struct PatchFields {
 /// everywhere where `pressures`. No communication.
 void share_volumes(const Discretisation& d, const PatchFields& fields, PatchState& state,
                    bool pressures = false);
+
+/// Integrals over the cells of patches.
+class PatchSum {
+public:
+  explicit PatchSum(const Discretisation& d);
+  void add(const CellBatch& batch, const Batch& of_cells);
+  /// A row of the integrals over the volume of the patches.
+  void put_mean(const PatchState& state, std::vector<double>& row) const;
+
+private:
+  const Discretisation& d_;
+  std::vector<double> sum_; // [patch]
+};
 
 /// body(stencil, batch, K) for packed patches: what the sharing of the volume adds to the tangent, (dp/dJ/V)
 /// v v^T with v = int dJ/du dV_0, K [node][dim][node][dim]. `state`: with all pressures. `free` [local dof]:
