@@ -133,7 +133,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
                                         const PointLaw& law) const {
   return {.X = &X_,
           .u = &u,
-          .u_n = law.viscous() || step_.bulk.linear > 0 || step_.bulk.quadratic > 0 ? step_.u_n : nullptr,
+          .u_n = law.viscous() || step_.bulk.acts() ? step_.u_n : nullptr,
           .accel = accel,
           .phi = step_.phi,
           .theta = law.parameters.alpha_t != 0 || law.softens() ? step_.theta : nullptr,

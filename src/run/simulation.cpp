@@ -4,6 +4,7 @@
 #include <impact/run/energy_watch.hpp>
 #include <impact/run/field_observer.hpp>
 #include <impact/run/history_observer.hpp>
+#include <impact/run/limits.hpp>
 #include <impact/run/output_folder.hpp>
 #include <impact/run/run_checkpoints.hpp>
 #include <impact/run/simulation.hpp>
@@ -70,7 +71,6 @@ private:
   void save_end(const StepControlState& control);
   TSConvergedReason solve();
   ExitCode report_end(TSConvergedReason reason);
-  void tell_of_limits() const;
   bool must_be_stable();
 
   RunStage& stage_;
@@ -296,38 +296,6 @@ ExitCode Simulation::run() {
   return report_end(reason);
 }
 
-// Newton's method on ever shorter steps of a static run: hardly for want of iterations.
-void Simulation::tell_of_limits() const {
-  double longest = s_.time.dt;
-  for (const double dt : s_.time.table_dts) longest = std::max(longest, dt);
-  if (stage_.inertia || !last_cause_.starts_with("motion: ") ||
-      step_control_state(stage_.ts).dt > 1e-3 * longest)
-    return;
-  if (stage_.coupling.motion_solver().arc_length() != nullptr)
-    return check(PetscFPrintf(comm_, PETSC_STDERR,
-                              "impact: no shorter step found where the path leads on: loads that bodies "
-                              "ask for must be ones that conditions have at some t, of either sign\n"));
-  const bool has_path = stage_.setup->contacts.empty();
-  check(PetscFPrintf(
-      comm_, PETSC_STDERR,
-      "impact: no shorter step found an equilibrium; where a load reaches its limit, or a state snaps into "
-      "another one, there is none: prescribe displacements, %sor take inertia (-ts_type newmark)\n",
-      has_path ? "follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, " : ""));
-  for (const ContactInterface& contact : stage_.setup->contacts) {
-    const ContactSettings& s = contact.settings();
-    if (contact.reach(snapshot_.u).gap > 1e-6 * stage_.d.mesh.smallest_edge()) continue; // apart
-    if (s.enforce == Enforcement::semismooth) // what presses changes for long along slender bodies
-      check(PetscFPrintf(comm_, PETSC_STDERR,
-                         "impact: contact %s may not come to rest: try -contact_%s_enforce auglag\n",
-                         s.id.c_str(), s.id.c_str()));
-    if (s.method == ContactMethod::gauss_points && s.friction > 0) // more points than nodes rub
-      check(PetscFPrintf(comm_, PETSC_STDERR,
-                         "impact: contact %s rubs at Gauss points: try -contact_%s_method mortar, whose "
-                         "multipliers stand at nodes\n",
-                         s.id.c_str(), s.id.c_str()));
-  }
-}
-
 // Where factors are cheap, or the last linear solve was of an indefinite matrix. Cracks follow their branch
 // by themselves.
 bool Simulation::must_be_stable() {
@@ -370,7 +338,7 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
   check(PetscFPrintf(comm_, PETSC_STDERR, "impact: the step could not be solved (%s): %s\n",
                      TSConvergedReasons[reason],
                      last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
-  tell_of_limits();
+  tell_of_limits(stage_, last_cause_, snapshot_.u);
   return ExitCode::solver;
 }
 

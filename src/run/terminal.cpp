@@ -51,11 +51,13 @@ void report_locking(const Scenario& s, const Discretisation& d) {
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
     const bool cured = simplex ? found[i] == in_patches : p.locking != Locking::none;
+    const bool shocks = simplex && s.has_heat() && (s.time.bulk_linear > 0 || s.time.bulk_quadratic > 0);
     if (!found[i]) continue;
     if (cured)
       check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),
                         shape->names.plural,
-                        simplex ? "mean volume of patches of cells"
+                        shocks    ? "mean volume of patches of cells, which shocks warm unevenly (by a sixth)"
+                        : simplex ? "mean volume of patches of cells"
                         : p.locking == Locking::mean && shape->volume_modes > 1 ? "volume linear in a cell"
                         : p.locking == Locking::mean                            ? "mean volume of a cell"
                                                                                 : "F-bar"));

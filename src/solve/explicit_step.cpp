@@ -84,7 +84,7 @@ void ExplicitStep::resume() {
 void ExplicitStep::tell_of_collapse(double dt) {
   if (dt >= collapsed * first_step_) return;
   first_step_ = 0;
-  const bool spreads = settings_.bulk.linear > 0 || settings_.bulk.quadratic > 0;
+  const bool spreads = settings_.bulk.acts();
   check(PetscPrintf(
       motion_.discretisation().mesh.comm(),
       "impact: the stable step has fallen to %.3g, less than a hundredth of the first one, by the cell at "

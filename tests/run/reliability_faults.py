@@ -77,6 +77,9 @@ linear = run("linear", {**BLOCK, "ts_dt": 0.05, "motion_ksp_type": "gmres", "mot
                         "motion_ksp_rtol": 1e-10, "ts_max_reject": 3}, code=5)
 require("the linear solver fails: status 5, " + (cut_lines(linear.log) or [""])[0], "DIVERGED_LINEAR_SOLVE" in linear.log)
 require("the linear solver fails: a checkpoint of the start", "the state at t = 0, step 0, is in" in linear.log)
+short = run("linear_short", {**BLOCK, "ts_dt": 0.05, "motion_ksp_type": "gmres", "motion_pc_type": "none", "motion_ksp_max_it": 2,
+                             "motion_ksp_rtol": 1e-10}, code=5)
+require("the last word is of linear solves, not of loads", "no linear solve found a solution" in short.log and "load reaches" not in short.log)
 rescued = run("linear", {**BLOCK, "ts_dt": 0.05, "restart": "auto"})
 check("other solver on restart: elastic energy at the end", rescued["energy_elastic"][-1], small["energy_elastic"][-1], 1e-8)
 

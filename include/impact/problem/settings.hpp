@@ -32,6 +32,7 @@ struct HeatScenario {
 /// Coefficients of the bulk viscosity of explicit steps (kernel/bulk_viscosity.hpp).
 struct BulkViscosity {
   double linear = 0, quadratic = 0;
+  bool acts() const { return linear > 0 || quadratic > 0; }
 };
 
 /// Steps by central differences.
