@@ -143,6 +143,7 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
         const Tensor<Batch, d> P = first_piola(tau, e.k.inverse_F);
         Batch* const stress = &heat.stress[q * stress_size(frame)];
         for (int i = 0; i < gradient_size(frame); ++i) stress[i] = P[i];
+        // Bulk viscosity knows the volume of a cell, not of its patch: its work stays where it is done.
         stress[gradient_size(frame)] = forces && !is_linear_simplex<Cell> ? e.p + force.pressure() : e.p;
       }
       if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, lost);
