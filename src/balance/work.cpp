@@ -279,19 +279,23 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   reactions_.resize(u.size());
   double sums[6] = {0, 0, 0, 0, 0, 0};
   const std::vector<char>& fixed = motion_.boundary().fixed_mask();
+  const std::vector<int>& body = motion_.rigid().body_of_node();
   const auto dim = at(d.dim());
-  for (std::size_t i = 0; i < u.size(); ++i) {
-    if (!d.mesh.owned(static_cast<int>(i / dim))) continue;
-    const double du = u[i] - u_.committed[i], a_n = a_.committed[i];
-    inertia_force_.trial[i] = mass_[i] * a_new_[i];
-    reactions_[i] = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
-    if (fixed[i]) external_.trial[i] += reactions_[i];
-    sums[1] += du * (external_.committed[i] + external_.trial[i]);
-    sums[2] += du * (contact_.committed[i] + contact_.trial[i]);
-    if (in_rigid_body(i)) continue; // whose inertia is not that of the nodes
-    sums[0] += du * (internal_.committed[i] + internal_.trial[i]);
-    sums[3] += a_new_[i] * inertia_force_.trial[i];
-    sums[4] += a_n * mass_[i] * a_n;
+  for (int node = 0; node < d.mesh.node_count(); ++node) {
+    if (!d.mesh.owned(node)) continue;
+    const bool rigid = !body.empty() && body[at(node)] >= 0; // whose inertia is not that of the nodes
+    for (std::size_t i = dim * at(node); i < dim * at(node + 1); ++i) {
+      const double du = u[i] - u_.committed[i], a_n = a_.committed[i];
+      inertia_force_.trial[i] = mass_[i] * a_new_[i];
+      reactions_[i] = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
+      if (fixed[i]) external_.trial[i] += reactions_[i];
+      sums[1] += du * (external_.committed[i] + external_.trial[i]);
+      sums[2] += du * (contact_.committed[i] + contact_.trial[i]);
+      if (rigid) continue;
+      sums[0] += du * (internal_.committed[i] + internal_.trial[i]);
+      sums[3] += a_new_[i] * inertia_force_.trial[i];
+      sums[4] += a_n * mass_[i] * a_n;
+    }
   }
   for (const ContactInterface& contact : motion_.contacts())
     sums[5] += contact.constraints().taken_by_jumps();

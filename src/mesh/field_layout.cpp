@@ -14,13 +14,18 @@ FieldLayout::FieldLayout(const Mesh& mesh, std::string name, int components)
   // The local vector borrows the caller's arrays; it needs none of its own.
   check(VecCreateSeqWithArray(PETSC_COMM_SELF, components_, static_cast<PetscInt>(node_count_) * components_,
                               nullptr, work_.out()));
-  PetscInt first = -1;
-  for (int node = 0; node < node_count_; ++node)
-    if (const PetscInt place = mesh.global_node()[static_cast<std::size_t>(node)]; mesh.owned(node)) {
-      first = first < 0 ? place : std::min(first, place);
-      owned_.push_back({node, place});
-    }
-  for (auto& [node, place] : owned_) place -= first;
+  PetscInt first = PETSC_MAX_INT;
+  for (int node = 0; node < node_count_; ++node) {
+    if (!mesh.owned(node)) continue;
+    const PetscInt place = mesh.global_node()[static_cast<std::size_t>(node)];
+    first = std::min(first, place);
+    if (!owned_.empty() && owned_.back().node + owned_.back().count == node &&
+        owned_.back().place + owned_.back().count == place)
+      ++owned_.back().count;
+    else
+      owned_.push_back({node, place, 1});
+  }
+  for (Row& row : owned_) row.place -= first;
 }
 
 // A copy of one that the DM keeps: it walks all points of the mesh to make another.
@@ -50,9 +55,9 @@ void FieldLayout::to_local(Vec global, std::vector<double>& local) const {
 void FieldLayout::owned_to_local(Vec global, std::vector<double>& local) const {
   const double* values = nullptr;
   check(VecGetArrayRead(global, &values));
-  for (const auto& [node, place] : owned_)
-    std::copy_n(values + place * components_, components_,
-                &local[static_cast<std::size_t>(node * components_)]);
+  for (const Row& row : owned_)
+    std::copy_n(values + row.place * components_, row.count * components_,
+                &local[static_cast<std::size_t>(row.node * components_)]);
   check(VecRestoreArrayRead(global, &values));
 }
 
@@ -66,9 +71,9 @@ void FieldLayout::add_to_global(const std::vector<double>& local, Vec global) co
 void FieldLayout::to_global(const std::vector<double>& local, Vec global) const {
   double* values = nullptr;
   check(VecGetArray(global, &values));
-  for (const auto& [node, place] : owned_)
-    std::copy_n(&local[static_cast<std::size_t>(node * components_)], components_,
-                values + place * components_);
+  for (const Row& row : owned_)
+    std::copy_n(&local[static_cast<std::size_t>(row.node * components_)], row.count * components_,
+                values + row.place * components_);
   check(VecRestoreArray(global, &values));
 }
 

@@ -6,6 +6,7 @@
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/motion.hpp>
+#include <utility>
 
 /// The law at the solution: trial history, what drives damage, and what heat takes from the motion.
 namespace impact {
@@ -23,6 +24,18 @@ void add_losses(const CellBatch& batch, const StepSums& step, std::vector<double
   lost[2] += batch.live_sum(step.plastic_work);
   lost[3 + batch.material()] += plastic;
   lost[3 + batch.d.materials.size() + batch.material()] += viscous;
+}
+
+// The stress with twice its unilateral part.
+void store_stress_twice(const CellBatch& batch, MotionInput in, const PatchState& twice, Batch* trial,
+                        std::vector<double>& row) {
+  BatchArray<2> pressure(2);
+  auto stress = batch.stresses();
+  StepSums unused;
+  in.unilateral = 2;
+  in.patch_pressure = batch.read_shared(twice.pressure, pressure);
+  batch.kernels.motion_advance(batch.law, in, trial, nullptr, unused, {nullptr, stress.data()});
+  batch.store(stress, row);
 }
 
 } // namespace
@@ -44,12 +57,16 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   share(u_, apart ? 0 : 1, patches_);
   PatchState twice;
   if (apart && heat.step_stress) share(u_, 2, twice);
+  MotionFields fields;
+  const PointLaw* of = nullptr; // the law of the fields
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    MotionFields fields = step_fields(u_, nullptr, law);
-    fields.unilateral = apart ? 0 : 1;
-    if (internal) fields.bulk = step_.bulk;
-    if (law.softens()) fields.drive = &drive_.committed;
+    if (std::exchange(of, &law) != &law) {
+      fields = step_fields(u_, nullptr, law);
+      fields.unilateral = apart ? 0 : 1;
+      if (internal) fields.bulk = step_.bulk;
+      if (law.softens()) fields.drive = &drive_.committed;
+    }
     const MotionBatch cells(batch, fields);
     auto next = batch.histories();
     auto driving = batch.points<drive_size>();
@@ -59,15 +76,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
     const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
                         heat.stress ? stress.data() : nullptr};
     Batch* const trial = keeps_history(law) ? next.data() : nullptr;
-    if (apart && heat.step_stress) {
-      MotionInput in = cells.in;
-      in.unilateral = 2;
-      BatchArray<2> pressure(2);
-      in.patch_pressure = batch.read_shared(twice.pressure, pressure);
-      StepSums unused;
-      batch.kernels.motion_advance(law, in, trial, nullptr, unused, {nullptr, stress.data()});
-      batch.store(stress, *heat.step_stress);
-    }
+    if (apart && heat.step_stress) store_stress_twice(batch, cells.in, twice, trial, *heat.step_stress);
     if (internal)
       sound = step_cells(batch, cells.in, trial, driving.data(), step, feed) && sound;
     else

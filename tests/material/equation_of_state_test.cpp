@@ -1,7 +1,7 @@
 #include "law_sampler.hpp"
 
 #include <gtest/gtest.h>
-#include <impact/material/equation_of_state.hpp>
+#include <impact/material/point_law.hpp>
 
 using namespace impact;
 using reference::Complex;
@@ -10,7 +10,7 @@ using reference::Sampler;
 namespace {
 
 /// Of the internal energy all that hangs on the temperature.
-double thermal_energy(const StateLaw& law, const ElasticVolume<double>& v, double g_v, double theta) {
+double thermal_energy(const PointLaw& law, const ElasticVolume<double>& v, double g_v, double theta) {
   return law.parameters.c_v * (theta - law.parameters.theta0) + thermoelastic_energy(law, v, g_v, theta);
 }
 
@@ -31,7 +31,7 @@ MaterialParameters copper(bool heats) {
   return m;
 }
 
-StateLaw law_of(const MaterialParameters& m) { return StateLaw(PointLaw{m}); }
+PointLaw law_of(const MaterialParameters& m) { return {m}; }
 
 double pressure_at(const MaterialParameters& m, double eta) { return -reference_curve(m, -eta).dU; }
 
@@ -181,7 +181,7 @@ TEST(EquationOfState, StressEntropyAndCapacityDeriveFromTheFreeEnergy) {
 TEST(EquationOfState, DamageLeavesCompressionAlone) {
   MaterialParameters m = copper(false);
   m.damage = Damage::at2, m.Gc = 1, m.gamma = 1;
-  const StateLaw law = law_of(m);
+  const PointLaw law = law_of(m);
   const auto g = degradations(m, 0.9, 0.0);
   const ElasticVolume<double> pressed{-0.1, 1}, pulled{0.1, 1};
   EXPECT_EQ(law.pressure(-0.1, 1.0, g).p, reference_curve(m, -0.1).dU);

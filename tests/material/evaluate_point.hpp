@@ -25,14 +25,6 @@ template <class T, int d> struct PointResponse {
   PointEnergies<T> energy;
 };
 
-/// The volumetric part of a law with or without an equation of state.
-template <class T>
-Volumetric<T> volume_of(const PointLaw& law, const T& J_minus_1, const T& theta, const Degradations<T>& g) {
-  if (!has_state(law.parameters)) return law.pressure(J_minus_1, thermal_volume(law, theta), g);
-  const StateLaw state(law);
-  return state.pressure(J_minus_1, thermal_volume(state, theta), g);
-}
-
 /// What a split by principal stretches is asked at a point by itself.
 template <class T, int d> SplitState<T, d> split_state_of(const PointLaw& law, const PointInput<T, d>& in) {
   const Kinematics<T, d> k = kinematics(in.H);
@@ -62,15 +54,13 @@ template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, cons
   } else {
     out.flow = law.isochoric(in.H, out.k, in.old, g, law.conditions(in.theta, in.dt));
   }
-  const Volumetric<T> v = volume_of(law, out.k.J_minus_1, in.theta, g);
+  const T J_th = thermal_volume(law, in.theta);
+  const Volumetric<T> v = law.pressure(out.k.J_minus_1, J_th, g);
   out.tau = (law.parameters.G * g.e1.g) * out.flow.dev_b;
   for (int i = 0; i < 3; ++i) out.tau[i] = out.tau[i] + v.p * out.k.J;
   const T z = trace_excess(out.flow.dev_b, value(out.flow.y) - Value<T>(1.0));
   out.history = law.updated(out.k, in.old, out.flow, z);
-  out.energy = has_state(law.parameters)
-                   ? StateLaw(law).energies(z, {v.Je_minus_1, stress_free_volume(law.parameters, in.theta)},
-                                            out.history.alpha)
-                   : law.energies(z, v.Je_minus_1, out.history.alpha);
+  out.energy = law.energies(z, {v.Je_minus_1, J_th}, out.history.alpha);
   if (law.softens()) out.energy.plastic = law.plastic_energy(out.flow, in.old.alpha, in.H_n);
   if (!law.principal()) return out;
   out.tau = split_stress(state, split.of);
@@ -85,7 +75,7 @@ Modulus<T, n> point_modulus(const PointLaw& law, const PointInput<T, d>& in, boo
   const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
   const Kinematics<T, d> k = kinematics(in.H);
   const Return<T, d> flow = law.isochoric(in.H, k, in.old, g, law.conditions(in.theta, in.dt));
-  const Volumetric<T> v = volume_of(law, k.J_minus_1, in.theta, g);
+  const Volumetric<T> v = law.pressure(k.J_minus_1, thermal_volume(law, in.theta), g);
   return assemble_modulus<n>(law_modulus<n>(law.parameters, flow, g.e1.g, g.p.g / g.e1.g, v.p * k.J,
                                             v.dp * k.J * k.J, T(1.0), false, symmetric));
 }

@@ -62,13 +62,12 @@ template <class Cell, Frame frame> struct StepForces {
   BulkRate bulk{};
   bool pressed = false, extra = false;
 
-  template <class Law> void start(const Law& law, const MotionInput& in, const CellState<Cell, frame>& s) {
+  void start(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s) {
     pressed = in.has_bulk_viscosity() && in.u_n;
     extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
     if (pressed) bulk = bulk_rate(law, in, s);
   }
-  template <class Law>
-  void add(const Law& law, const MotionInput& in, const CellState<Cell, frame>& s,
+  void add(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s,
            const PointEvaluation<Cell::dim>& e, int q) {
     CurrentMap<Cell, frame> map;
     current_map(s.map[q], e.k.inverse_F, map);
@@ -101,8 +100,8 @@ template <class Cell, Frame frame> struct StepForces {
 
 /// With `heats` also what the heat balance asks for, with `forces` the internal force. Forces is a constant
 /// where a run without them is to pay nothing and to keep its last digits.
-template <class Cell, Frame frame, bool heats, bool principal, class Law, class Forces>
-inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+template <class Cell, Frame frame, bool heats, bool principal, class Forces>
+inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat, Forces forces, Batch* r) {
   constexpr int d = Cell::dim;
   CellStatus status{0, Batch(1e300)};
@@ -170,13 +169,13 @@ template <class Cell, Frame frame, bool heats, Terms terms, class Forces>
                                                                 trial_history, drive, sums, heat, forces, r);
 }
 
-/// A short law has a body of code for each of what is asked, a long one does all with one.
+/// A short law in a linear cell has a body of code for each of what is asked, others do all with one.
 template <class Cell, Frame frame, class Forces>
 CellStatus advance_as_asked(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                             StepSums& sums, const HeatFeed& heat, Forces forces, Batch* r) {
   const bool heats = heat.dissipation || heat.stress;
   return with_terms<Cell, frame>(terms_of(law, in), [&](auto terms) {
-    if constexpr (is_long(terms))
+    if constexpr (is_long(terms) || is_second_order<Cell>)
       return advance_with<Cell, frame, true, terms, bool>(law, in, trial_history, drive, sums, heat, forces,
                                                           r);
     else if (heats)

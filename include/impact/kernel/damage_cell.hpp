@@ -112,8 +112,8 @@ void damage_dissipation(const PointLaw& law, const Batch* phi, const Batch* phi_
 }
 
 /// S_c of the undamaged body at one point. The history is that of the displacement: nothing flows here.
-template <class Cell, Frame frame, class Law>
-Symmetric<Batch, Cell::dim> undamaged_stress(const Law& law, const CellState<Cell, frame>& s,
+template <class Cell, Frame frame>
+Symmetric<Batch, Cell::dim> undamaged_stress(const PointLaw& law, const CellState<Cell, frame>& s,
                                              const Batch* theta, const Batch* history, int q) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
@@ -133,9 +133,9 @@ Symmetric<Batch, Cell::dim> undamaged_stress(const Law& law, const CellState<Cel
   return push(k.inverse_F, tau);
 }
 
-template <class Cell, Frame frame, class Law>
-[[gnu::flatten]] int fatigue_advance_of(const Law& law, const FatigueInput& in, Batch* fatigue,
-                                        FatigueSums& sums) {
+template <class Cell, Frame frame>
+[[gnu::flatten]] int fatigue_advance(const PointLaw& law, const FatigueInput& in, Batch* fatigue,
+                                     FatigueSums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> now, before;
@@ -165,12 +165,6 @@ template <class Cell, Frame frame, class Law>
     finite += fatigue[q] - fatigue[q];
   }
   return bad | bits(~is_finite(finite));
-}
-
-template <class Cell, Frame frame>
-int fatigue_advance(const PointLaw& law, const FatigueInput& in, Batch* fatigue, FatigueSums& sums) {
-  return with_state<frame>(
-      law, [&](const auto& l) { return fatigue_advance_of<Cell, frame>(l, in, fatigue, sums); });
 }
 
 } // namespace impact

@@ -7,9 +7,9 @@ namespace impact {
 
 /// Writes failure [point] from failure_n. `at.history` is that of the end of the step, so that nothing flows
 /// here; the stress is the one without its viscous part.
-template <Frame frame, class Cell, class Law>
-int failure_advance_of(const Law& law, const MotionInput& at, const Batch* history_n, const Batch* failure_n,
-                       Batch* failure) {
+template <class Cell, Frame frame>
+int failure_advance(const PointLaw& law, const MotionInput& at, const Batch* history_n,
+                    const Batch* failure_n, Batch* failure) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   MotionInput in = at;
@@ -32,14 +32,6 @@ int failure_advance_of(const Law& law, const MotionInput& at, const Batch* histo
     finite += failure[q] - failure[q];
   }
   return bits(~is_finite(finite));
-}
-
-template <class Cell, Frame frame>
-int failure_advance(const PointLaw& law, const MotionInput& in, const Batch* history_n,
-                    const Batch* failure_n, Batch* failure) {
-  return with_state<frame>(law, [&](const auto& l) {
-    return failure_advance_of<frame, Cell>(l, in, history_n, failure_n, failure);
-  });
 }
 
 } // namespace impact

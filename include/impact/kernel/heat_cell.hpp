@@ -6,7 +6,6 @@
 #include <impact/kernel/point_geometry.hpp>
 #include <impact/kernel/scalar_cell.hpp>
 #include <impact/material/crack.hpp>
-#include <impact/material/equation_of_state.hpp>
 #include <type_traits>
 
 /// The heat balance on one batch of cells.
@@ -64,8 +63,7 @@ inline WarmingSlopes warming_slopes(const PointLaw& law, const ThermalPart& at, 
   const Batch beta = (Batch(m.c_v) - at.capacity) / ((3 * m.alpha_t) * (theta * J));
   return warming_slopes(theta, beta, at.capacity);
 }
-template <class Law>
-inline WarmingSlopes warming_slopes(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
+inline WarmingSlopes warming_slopes(const PointLaw& law, const Batch& J_minus_1, const Degradations<Batch>& g,
                                     const Batch& theta) {
   const ElasticVolume<Batch> v = elastic_volume(law, J_minus_1, theta);
   const Batch g_v = volume_degradation(g, v.Je_minus_1);
@@ -73,8 +71,7 @@ inline WarmingSlopes warming_slopes(const Law& law, const Batch& J_minus_1, cons
 }
 
 /// The energy is found where it is wanted.
-template <class Law>
-inline ThermalPart thermal_part(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
+inline ThermalPart thermal_part(const PointLaw& law, const Batch& J_minus_1, const Degradations<Batch>& g,
                                 const Batch& theta, bool energy) {
   const ElasticVolume<Batch> v = elastic_volume(law, J_minus_1, theta);
   const Batch g_v = volume_degradation(g, v.Je_minus_1);
@@ -161,8 +158,8 @@ void add_damage(const PointLaw& law, const HeatInput& in, const PointGeometry<Ce
   }
 }
 
-template <class Cell, Frame frame, class Law>
-[[gnu::flatten]] int heat_step_of(const Law& law, const HeatInput& in, Batch* points, Batch* r) {
+template <class Cell, Frame frame>
+[[gnu::flatten]] int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
@@ -222,11 +219,6 @@ template <class Cell, Frame frame, class Law>
   return bad | bits(~is_finite(sum));
 }
 
-template <class Cell, Frame frame>
-int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
-  return with_state<frame>(law, [&](const auto& l) { return heat_step_of<Cell, frame>(l, in, points, r); });
-}
-
 /// c_V (theta - theta_n), or [theta] c_V ln(theta/theta_n) of the entropy form, and its slope.
 struct CapacityTerm {
   Batch value, slope;
@@ -275,8 +267,8 @@ void add_conduction(const MaterialParameters& m, const HeatInput& in, const Poin
     }
 }
 
-template <class Cell, Frame frame, bool tangent, class Law>
-[[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in,
+template <class Cell, Frame frame, bool tangent>
+[[gnu::flatten]] int heat_balance(const PointLaw& law, const HeatInput& in,
                                   std::conditional_t<tangent, const Batch, Batch>* points, Batch* r_out,
                                   Batch* K_out) {
   constexpr int n = Cell::nodes;
@@ -333,14 +325,12 @@ template <class Cell, Frame frame, bool tangent, class Law>
 
 template <class Cell, Frame frame>
 int heat_residual(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
-  return with_state<frame>(
-      law, [&](const auto& l) { return heat_balance<Cell, frame, false>(l, in, points, r, nullptr); });
+  return heat_balance<Cell, frame, false>(law, in, points, r, nullptr);
 }
 
 template <class Cell, Frame frame>
 int heat_tangent(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r, Batch* K) {
-  return with_state<frame>(
-      law, [&](const auto& l) { return heat_balance<Cell, frame, true>(l, in, points, r, K); });
+  return heat_balance<Cell, frame, true>(law, in, points, r, K);
 }
 
 template <class Cell, Frame frame>

@@ -77,8 +77,8 @@ inline void add_motion(double rho, const EnergyInput& in, int q, const Batch& w,
   if constexpr (frame != Frame::axisymmetric) add_spin<Cell>(in, q, rho * in.mass_factor * w, sums);
 }
 
-template <class Cell, Frame frame, bool principal, class Law>
-[[gnu::flatten]] void stored_energy_with(const Law& law, const EnergyInput& in, EnergySums& sums) {
+template <class Cell, Frame frame>
+[[gnu::flatten]] void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
@@ -98,7 +98,7 @@ template <class Cell, Frame frame, bool principal, class Law>
     const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.shared_volume(q);
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
     PointEnergies<Batch> energy = point_energies<Cell>(law, z, Je, history.alpha, in.theta, q);
-    if constexpr (principal) {
+    if (law.principal()) {
       const auto state =
           held_state<Cell, frame>(law, s, point_thermal_volume<Cell>(law, in.theta, q), g, in.history, q);
       const SplitEnergies<Batch, d> split = split_response(law, state).of;
@@ -125,15 +125,7 @@ template <class Cell, Frame frame, bool principal, class Law>
 }
 
 template <class Cell, Frame frame>
-void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
-  if (law.principal())
-    stored_energy_with<Cell, frame, true>(law, in, sums);
-  else
-    with_state<frame>(law, [&](const auto& l) { stored_energy_with<Cell, frame, false>(l, in, sums); });
-}
-
-template <class Cell, Frame frame, class Law>
-void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
+void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, nullptr, 1, {in.patch, in.patch_pressure});
@@ -167,11 +159,6 @@ void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
   if (!in.lumped_capacity) return;
   capacity.finish();
   for (int a = 0; a < Cell::nodes; ++a) add_heat(capacity.at[a], in.theta[a]);
-}
-
-template <class Cell, Frame frame>
-void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
-  with_state<frame>(law, [&](const auto& l) { stored_heat_of<Cell, frame>(l, in, sums); });
 }
 
 template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Batch* values) {
@@ -215,8 +202,8 @@ void unilateral_energy(const PointLaw& law, const Batch* X, const Batch* phi, co
   }
 }
 
-template <class Cell, Frame frame, class Law>
-void cell_output_of(const Law& law, const MotionInput& state, CellOutput& out) {
+template <class Cell, Frame frame>
+void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out) {
   constexpr int d = Cell::dim;
   MotionInput in = state;
   in.held = true; // a flow stress that temperature or rate have changed since would let it flow again
@@ -239,11 +226,6 @@ void cell_output_of(const Law& law, const MotionInput& state, CellOutput& out) {
   const Symmetric<Batch, d> deviator = dev(sigma);
   out.von_mises = sqrt(1.5 * dot(deviator, deviator));
   out.pressure = (-1.0 / 3) * trace(sigma);
-}
-
-template <class Cell, Frame frame>
-void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
-  with_state<frame>(law, [&](const auto& l) { cell_output_of<Cell, frame>(l, in, out); });
 }
 
 template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const Batch* X, Batch* M) {

@@ -204,8 +204,8 @@ private:
   }
 };
 
-template <class Cell, Frame frame, bool tangent, bool principal, class Law>
-inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch* K) {
+template <class Cell, Frame frame, bool tangent, bool principal>
+inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
   const auto& t = shape_table<Cell>;
   const Locking locking = law.parameters.locking;

@@ -4,19 +4,10 @@
 #include <impact/kernel/reference_gradient.hpp>
 #include <impact/kernel/volume_modes.hpp>
 #include <impact/material/energy_split.hpp>
-#include <impact/material/equation_of_state.hpp>
 #include <impact/material/point_law.hpp>
 
 /// The law at the points of one batch of cells with the chosen volumetric locking cure.
 namespace impact {
-
-/// Calls f with the law as it is, or as one with an equation of state, for which kernels are compiled apart.
-/// Sheets have none.
-template <Frame frame, class F> decltype(auto) with_state(const PointLaw& law, F&& f) {
-  if constexpr (frame != Frame::plane_stress)
-    if (has_state(law.parameters)) return f(StateLaw(law));
-  return f(law);
-}
 
 /// Cells in which J is constant, but for that of rings: they share their volume in patches.
 template <class Cell> inline constexpr bool is_linear_simplex = Cell::nodes == Cell::dim + 1;
@@ -70,21 +61,17 @@ inline Batch plastic_exchange_at(const PointLaw& law, const CellFields& in, int 
                            law.softens() ? drive.plastic : plastic_potential(law.parameters, alpha)});
 }
 
-template <class Cell, class Law>
-inline Batch point_thermal_volume(const Law& law, const Batch* theta, int q) {
+template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
   if (!theta || law.parameters.alpha_t == 0) return Batch(1.0);
   return thermal_volume(law, interpolate<Cell>(theta, q));
 }
 
 /// E+, E- and H_0 at a point.
-template <class Cell, class Law>
-inline PointEnergies<Batch> point_energies(const Law& law, const Batch& z, const Batch& Je_minus_1,
+template <class Cell>
+inline PointEnergies<Batch> point_energies(const PointLaw& law, const Batch& z, const Batch& Je_minus_1,
                                            const Batch& alpha, const Batch* theta, int q) {
-  if constexpr (has_state_v<Law>)
-    return law.energies(z, ElasticVolume<Batch>{Je_minus_1, point_thermal_volume<Cell>(law, theta, q)},
-                        alpha);
-  else
-    return law.energies(z, Je_minus_1, alpha);
+  const Batch J_th = has_state(law.parameters) ? point_thermal_volume<Cell>(law, theta, q) : Batch(1.0);
+  return law.energies(z, ElasticVolume<Batch>{Je_minus_1, J_th}, alpha);
 }
 
 /// J - 1 that comes from the patch of a cell, and p and dp/dJ from there or of SoftVolume; null: the cell
@@ -104,9 +91,10 @@ inline Volumetric<Batch> warmed(Volumetric<Batch> v, const Batch* warming, const
 
 /// For `mean` p is the projection of g_v U'(J_mean/J_th)/J_th on the modes of the cell, as J_mean is of J,
 /// which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
-template <class Cell, Frame frame, class Law>
-inline void share_pressure(const Law& law, const Batch* phi, const Batch* theta, CellState<Cell, frame>& s,
-                           const Batch* history, double unilateral, const PatchVolume& patch) {
+template <class Cell, Frame frame>
+inline void share_pressure(const PointLaw& law, const Batch* phi, const Batch* theta,
+                           CellState<Cell, frame>& s, const Batch* history, double unilateral,
+                           const PatchVolume& patch) {
   s.mean_dp.clear();
   for (int q = 0; q < Cell::points; ++q) {
     const Batch J_minus_1 = s.shared_volume(q);
@@ -137,8 +125,8 @@ template <class Cell, Frame frame> inline void share_volume(const Batch* X, Cell
 }
 
 /// Geometry, Grad u, the volume ratios and what `mean` shares.
-template <class Cell, Frame frame, class Law>
-inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
+template <class Cell, Frame frame>
+inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
                     CellState<Cell, frame>& s, const Batch* history = nullptr, double unilateral = 1,
                     const PatchVolume& patch = {}) {
   constexpr int d = Cell::dim;
@@ -317,8 +305,8 @@ inline void share_split_pressure(const PointLaw& law, const MotionInput& in, Cel
   s.mean_p = s.modes.project(sum);
 }
 
-template <class Cell, Frame frame, class Law>
-inline PointEvaluation<Cell::dim> evaluate_unsplit(const Law& law, const MotionInput& in,
+template <class Cell, Frame frame>
+inline PointEvaluation<Cell::dim> evaluate_unsplit(const PointLaw& law, const MotionInput& in,
                                                    const CellState<Cell, frame>& s, int q) {
   const MaterialParameters& m = law.parameters;
   PointEvaluation<Cell::dim> e;
@@ -338,8 +326,8 @@ inline PointEvaluation<Cell::dim> evaluate_unsplit(const Law& law, const MotionI
   return e;
 }
 
-template <class Cell, Frame frame, bool principal = false, class Law>
-inline EvaluationOf<Cell::dim, principal> evaluate_point(const Law& law, const MotionInput& in,
+template <class Cell, Frame frame, bool principal = false>
+inline EvaluationOf<Cell::dim, principal> evaluate_point(const PointLaw& law, const MotionInput& in,
                                                          const CellState<Cell, frame>& s, int q) {
   if constexpr (principal)
     return evaluate_split<Cell, frame>(law, in, s, q);
@@ -348,18 +336,18 @@ inline EvaluationOf<Cell::dim, principal> evaluate_point(const Law& law, const M
 }
 
 /// Where the cost of the choice does not matter.
-template <class Cell, Frame frame, class Law>
-inline PointEvaluation<Cell::dim> evaluate_any(const Law& law, const MotionInput& in,
+template <class Cell, Frame frame>
+inline PointEvaluation<Cell::dim> evaluate_any(const PointLaw& law, const MotionInput& in,
                                                const CellState<Cell, frame>& s, int q) {
   if (law.principal()) return evaluate_split<Cell, frame>(law, in, s, q);
   return evaluate_unsplit<Cell, frame>(law, in, s, q);
 }
 
 /// Collects the lanes that left the domain of the law.
-template <class Cell, Frame frame, class Law>
-inline void note(CellStatus& status, const Law& law, const CellState<Cell, frame>& s,
+template <class Cell, Frame frame>
+inline void note(CellStatus& status, const PointLaw& law, const CellState<Cell, frame>& s,
                  const PointEvaluation<Cell::dim>& e, int q) {
-  if constexpr (has_state_v<Law>)
+  if (has_state(law.parameters))
     status.bad |= bits(~within_state(
         law.parameters, law.parameters.locking == Locking::none ? e.k.J_minus_1 : s.shared_volume(q)));
   status.bad |= bits(~(e.k.J > Batch(0.0)) | ~(e.flow.y > Batch(0.0))) | e.flow.failed;

@@ -1,7 +1,7 @@
 #pragma once
 #include <impact/element/cells.hpp>
 #include <impact/kernel/cell_kernels.hpp>
-#include <impact/material/equation_of_state.hpp>
+#include <impact/material/point_law.hpp>
 #include <type_traits>
 
 /// Which terms of the law a kernel is compiled for.
@@ -9,15 +9,14 @@ namespace impact {
 
 /// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs
 /// registers and chains of selections even where it is not.
-/// `plain`: all, but for a flow stress that hangs on alpha alone, by the Voce law. `state`: all, and an
-/// equation of state, which no other has. `principal`: all, and a split by principal stretches.
-enum class Terms { elastic, undamaged, plain, all, principal, state };
+/// `plain`: all, but for a flow stress that hangs on alpha alone, by the Voce law, and no equation of state.
+/// `principal`: a split by principal stretches, and all but an equation of state.
+enum class Terms { elastic, undamaged, plain, all, principal };
 
 inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   const MaterialParameters& m = law.parameters;
-  if (has_state(m)) return Terms::state;
   if (law.principal()) return Terms::principal;
-  if (m.hardening != HardeningKind::voce || !is_plain(m)) return Terms::all;
+  if (has_state(m) || m.hardening != HardeningKind::voce || !is_plain(m)) return Terms::all;
   const bool undamaged =
       m.damage == Damage::none && !law.viscous() && !in.has_bulk_viscosity() && (!in.theta || m.alpha_t == 0);
   if (!undamaged) return Terms::plain;
@@ -26,7 +25,7 @@ inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
 
 /// The same law and input with what is outside `terms` at its default: constants, by which the compiler finds
 /// the branches that are never taken. The groups of parameters that the terms read are copied whole.
-template <Terms terms> inline PointLaw restricted_law(const PointLaw& law) {
+template <Terms terms> inline PointLaw restricted(const PointLaw& law) {
   PointLaw r;
   MaterialParameters& m = r.parameters;
   if constexpr (terms == Terms::elastic)
@@ -41,13 +40,8 @@ template <Terms terms> inline PointLaw restricted_law(const PointLaw& law) {
     m.softening = Softening::none;
     m.rate_c = m.failure_softening = 0;
   }
+  if constexpr (terms != Terms::all) m.equation_of_state = EquationOfState::none;
   return r;
-}
-template <Terms terms> inline auto restricted(const PointLaw& law) {
-  if constexpr (terms == Terms::state)
-    return StateLaw(law);
-  else
-    return restricted_law<terms>(law);
 }
 inline MotionInput restricted(MotionInput in, Terms terms) {
   if (terms == Terms::elastic || terms == Terms::undamaged || terms == Terms::plain) in.drive = nullptr;
@@ -64,16 +58,14 @@ struct LastDigits {
 };
 
 /// Laws of which a call costs little beside what they compute: one body of code does for several kernels.
-constexpr bool is_long(Terms terms) {
-  return terms == Terms::all || terms == Terms::principal || terms == Terms::state;
-}
+constexpr bool is_long(Terms terms) { return terms == Terms::all || terms == Terms::principal; }
 
 /// The terms that are compiled for a cell: sheets, which find their thickness by the law, and cells of second
 /// order, whose law is the smaller part of the work, have fewer.
 template <class Cell, Frame frame> constexpr Terms compiled(Terms terms) {
   if (terms == Terms::principal) return terms;
-  if (frame == Frame::plane_stress) return Terms::all; // which have no equation of state
-  return is_second_order<Cell> && terms == Terms::undamaged ? Terms::plain : terms;
+  if (frame == Frame::plane_stress) return Terms::all;
+  return is_second_order<Cell> && terms < Terms::plain ? Terms::plain : terms;
 }
 
 /// Calls f(constant) for the terms that are compiled for this law.
@@ -90,8 +82,6 @@ template <class Cell, Frame frame, class F> decltype(auto) with_terms(Terms term
     return call(std::integral_constant<Terms, Terms::plain>{});
   case Terms::principal:
     return call(std::integral_constant<Terms, Terms::principal>{});
-  case Terms::state:
-    return call(std::integral_constant<Terms, Terms::state>{});
   case Terms::all:
     break;
   }

@@ -23,7 +23,7 @@ struct AcrossSheet {
   Batch stress, slope;
 };
 
-template <class Law> inline AcrossSheet across_sheet(const Law& law, const PointEvaluation<2>& e) {
+inline AcrossSheet across_sheet(const PointLaw& law, const PointEvaluation<2>& e) {
   const ModulusParts<Batch, 2> a =
       law_modulus<5>(law.parameters, e.flow, e.g.e1.g, e.g.p.g / e.g.e1.g, Batch(e.p * e.k.J),
                      Batch(e.dp * (e.k.J * e.k.J)), e.zeta, false, true);

@@ -49,8 +49,8 @@ struct Moduli {
 
 /// Of a change of volume, or of shape, and the stress that is there. Flow and damage only make them smaller,
 /// but for the pressure of the star-convex split.
-template <class Cell, Frame frame, class Law>
-inline Moduli largest_moduli(const Law& law, const MotionInput& in, const Tensor<Batch, Cell::dim>& H,
+template <class Cell, Frame frame>
+inline Moduli largest_moduli(const PointLaw& law, const MotionInput& in, const Tensor<Batch, Cell::dim>& H,
                              const Batch& J, int q) {
   const MaterialParameters& m = law.parameters;
   const Degraded<Batch> one{Batch(1.0), Batch(0.0), Batch(0.0)};
@@ -83,8 +83,9 @@ inline Moduli largest_moduli(const Law& law, const MotionInput& in, const Tensor
           shape + cross + there};
 }
 
-template <class Cell, Frame frame, class Law>
-CellFrequency highest_frequency_of(const Law& law, const MotionInput& in, Batch* nodal_mass) {
+/// Of each cell, and where asked for its mass at its nodes; in.u_n counts with bulk viscosity.
+template <class Cell, Frame frame>
+CellFrequency highest_frequency(const PointLaw& law, const MotionInput& in, Batch* nodal_mass) {
   constexpr int d = Cell::dim, n = Cell::nodes;
   const auto& t = shape_table<Cell>;
   const MaterialParameters& m = law.parameters;
@@ -139,14 +140,6 @@ CellFrequency highest_frequency_of(const Law& law, const MotionInput& in, Batch*
   // The tr L of F-bar, at the centre, is in no sum of the points.
   const bool by_parts = m.locking != Locking::fbar;
   return {by_parts ? min(any, tau * most.trace + mu * most.shape) : any, mu * D, any};
-}
-
-/// Of each cell, and where asked for its mass at its nodes; in.u_n counts with bulk viscosity.
-template <class Cell, Frame frame>
-CellFrequency highest_frequency(const PointLaw& law, const MotionInput& in, Batch* nodal_mass) {
-  if constexpr (frame != Frame::plane_stress)
-    if (has_state(law.parameters)) return highest_frequency_of<Cell, frame>(StateLaw(law), in, nodal_mass);
-  return highest_frequency_of<Cell, frame>(law, in, nodal_mass);
 }
 
 } // namespace impact

@@ -53,21 +53,19 @@ template <class Cell, Frame frame> void volume_slope(const Batch* X, const Batch
 template <class Cell, Frame frame>
 void cell_pressure(const PointLaw& law, const MotionInput& in, Batch& p, Batch& dp) {
   p = dp = Batch(0.0);
-  with_state<frame>(law, [&](const auto& l) {
-    for (int q = 0; q < Cell::points; ++q) {
-      const auto& t = shape_table<Cell>;
-      Batch jacobian[Cell::dim * Cell::dim];
-      PointMap<Cell, frame> map;
-      reference_gradient<Cell, Cell::dim>(t.dN[q], in.X, jacobian);
-      point_map<Cell, frame>(in.X, jacobian, t.N[q], t.weight[q], map);
-      const Volumetric<Batch> v =
-          warmed(l.pressure(*in.patch, point_thermal_volume<Cell>(l, in.theta, q),
+  for (int q = 0; q < Cell::points; ++q) {
+    const auto& t = shape_table<Cell>;
+    Batch jacobian[Cell::dim * Cell::dim];
+    PointMap<Cell, frame> map;
+    reference_gradient<Cell, Cell::dim>(t.dN[q], in.X, jacobian);
+    point_map<Cell, frame>(in.X, jacobian, t.N[q], t.weight[q], map);
+    const Volumetric<Batch> v =
+        warmed(law.pressure(*in.patch, point_thermal_volume<Cell>(law, in.theta, q),
                             point_degradations<Cell, frame>(law, in.phi, q, in.history, in.unilateral)),
-                 in.warming, *in.patch, q);
-      p += map.weight * v.p;
-      dp += map.weight * v.dp;
-    }
-  });
+               in.warming, *in.patch, q);
+    p += map.weight * v.p;
+    dp += map.weight * v.dp;
+  }
 }
 
 } // namespace impact

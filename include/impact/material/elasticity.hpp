@@ -24,6 +24,9 @@ template <class T> T volumetric_energy(const MaterialParameters& m, const T& Je_
   return (0.5 * m.K) * (0.5 * (Je_minus_1 * Je_minus_1) + log1p_excess(Je_minus_1));
 }
 
+/// J_e - 1 and J_th of a volume ratio at a temperature.
+template <class T> struct ElasticVolume { T Je_minus_1, J_th; };
+
 /// Pressure-like factor p = dU/dJ = U'(J_e)/J_th of the volumetric stress p cof F, and dp/dJ, undegraded.
 template <class T> struct Volumetric { T Je_minus_1, p, dp; };
 template <class T> Volumetric<T> volumetric(const MaterialParameters& m, const T& J_minus_1, const T& J_th) {

@@ -1,6 +1,5 @@
 #pragma once
-#include <impact/material/point_law.hpp>
-#include <type_traits>
+#include <impact/material/elasticity.hpp>
 
 /// The equation of state of Mie and Grueneisen for high pressure, per reference volume: with eta = 1 - J
 ///   pressure = p_H (1 - Gamma eta/2) + Gamma e,  p_H = K eta/(1 - s eta)^2,  K = rho_0 c_0^2   (52a)
@@ -122,57 +121,17 @@ template <class T> auto within_state(const MaterialParameters& m, const T& J_min
   return T(1.0) + m.eos_s * J_minus_1 > T(0.0);
 }
 
-/// The law of a point with an equation of state in the place of U.
-struct StateLaw : PointLaw {
-  explicit StateLaw(const PointLaw& law) : PointLaw(law) {}
-
-  template <class T>
-  Volumetric<T> pressure(const T& J_minus_1, const T& J_th, const Degradations<T>& g) const {
-    Volumetric<T> v = volumetric_of_state(parameters, J_minus_1, J_th);
-    const T g_v = select(value(v.Je_minus_1) >= Value<T>(0.0), g.e1.g, g.e2.g);
-    v.p = v.p * g_v;
-    v.dp = v.dp * g_v;
-    return v;
-  }
-
-  template <class T> PointEnergies<T> energies(const T& z, const ElasticVolume<T>& v, const T& alpha) const {
-    const T W = isochoric_energy(parameters, z), B = energy_of_state(parameters, v.Je_minus_1, v.J_th);
-    const auto tension = value(v.Je_minus_1) >= Value<T>(0.0);
-    return {select(tension, W + B, W), select(tension, T(0.0), B),
-            flows() ? plastic_potential(parameters, alpha) : T(0.0)};
-  }
-};
-
-template <class Law> inline constexpr bool has_state_v = std::is_base_of_v<StateLaw, Law>;
-
-template <class T> T thermal_volume(const StateLaw& law, const T& theta) {
-  return stress_free_volume(law.parameters, theta);
-}
-
 //   s = Gamma c_V [g_v (J - J_th) + J_th - 1],   e = ... + g_v B + M + c_V (theta - theta_0) + theta s
 //   c_eff = c_V + theta (1 - g_v) (Gamma c_V)^2/U''(J_th)                                            //
 //   (57'')
 // so that c_V is the capacity at fixed J of what is not damaged.
-template <class T> T thermoelastic_entropy(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v) {
-  const MaterialParameters& m = law.parameters;
+template <class T> T entropy_of_state(const MaterialParameters& m, const ElasticVolume<T>& v, const T& g_v) {
   return (m.eos_gamma * m.c_v) * (g_v * (v.J_th * v.Je_minus_1) + (v.J_th - T(1.0)));
 }
-template <class T> T entropy_slope(const StateLaw& law, const ElasticVolume<T>&, const T& g_v) {
-  return (law.parameters.eos_gamma * law.parameters.c_v) * g_v;
-}
 template <class T>
-T heat_capacity(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
-  const MaterialParameters& m = law.parameters;
+T capacity_of_state(const MaterialParameters& m, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
   const double heat = m.eos_gamma * m.c_v;
   return T(m.c_v) + (heat * heat) * (theta * (T(1.0) - g_v) / reference_curve(m, v.J_th - T(1.0)).ddU);
-}
-template <class T>
-T thermoelastic_energy(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
-  return theta * thermoelastic_entropy(law, v, g_v) + energy_of_free_volume(law.parameters, v.J_th);
-}
-template <class T> T volume_energy(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v) {
-  const MaterialParameters& m = law.parameters;
-  return g_v * energy_of_state(m, v.Je_minus_1, v.J_th) + energy_of_free_volume(m, v.J_th);
 }
 
 } // namespace impact

@@ -2,6 +2,7 @@
 #include <impact/material/crack.hpp>
 #include <impact/material/degradation.hpp>
 #include <impact/material/elasticity.hpp>
+#include <impact/material/equation_of_state.hpp>
 #include <impact/material/parameters.hpp>
 #include <impact/material/plasticity.hpp>
 #include <impact/material/thermal.hpp>
@@ -74,7 +75,8 @@ struct PointLaw {
   /// g_v p, g_v dp/dJ at a volume ratio J, and which degradation g_v is.
   template <class T>
   Volumetric<T> pressure(const T& J_minus_1, const T& J_th, const Degradations<T>& g) const {
-    Volumetric<T> v = volumetric(parameters, J_minus_1, J_th);
+    Volumetric<T> v = has_state(parameters) ? volumetric_of_state(parameters, J_minus_1, J_th)
+                                            : volumetric(parameters, J_minus_1, J_th);
     const T g_v = select(value(v.Je_minus_1) >= Value<T>(0.0), g.e1.g, g.e2.g);
     v.p = v.p * g_v;
     v.dp = v.dp * g_v;
@@ -97,10 +99,13 @@ struct PointLaw {
     return H_n + flow.at.softening * growth;
   }
 
-  /// E+, E- from the isochoric excess z and the volume that the stress uses, H_0 from alpha.
-  template <class T> PointEnergies<T> energies(const T& z, const T& Je_minus_1, const T& alpha) const {
-    const T W = isochoric_energy(parameters, z), U = volumetric_energy(parameters, Je_minus_1);
-    const auto tension = value(Je_minus_1) >= Value<T>(0.0);
+  /// E+, E- from the isochoric excess z and the volume that the stress uses, of which an equation of state
+  /// alone reads J_th; H_0 from alpha.
+  template <class T> PointEnergies<T> energies(const T& z, const ElasticVolume<T>& v, const T& alpha) const {
+    const T W = isochoric_energy(parameters, z);
+    const T U = has_state(parameters) ? energy_of_state(parameters, v.Je_minus_1, v.J_th)
+                                      : volumetric_energy(parameters, v.Je_minus_1);
+    const auto tension = value(v.Je_minus_1) >= Value<T>(0.0);
     return {select(tension, W + U, W), select(tension, T(0.0), U),
             flows() ? plastic_potential(parameters, alpha) : T(0.0)};
   }
@@ -148,36 +153,39 @@ struct PointLaw {
   }
 };
 
-/// J_e - 1 and J_th of a volume ratio at a temperature.
-template <class T> struct ElasticVolume { T Je_minus_1, J_th; };
-
-// What the law says of volume and heat (thermal.hpp); laws with an equation of state have overloads of these.
+// What the law says of volume and heat, with an equation of state (52d), (57'') or without (thermal.hpp).
 template <class T> T thermal_volume(const PointLaw& law, const T& theta) {
-  return thermal_volume(law.parameters, theta);
+  const MaterialParameters& m = law.parameters;
+  return has_state(m) ? stress_free_volume(m, theta) : thermal_volume(m, theta);
 }
 template <class T> T thermoelastic_entropy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
-  return thermoelastic_entropy(law.parameters, v.Je_minus_1, g_v);
+  const MaterialParameters& m = law.parameters;
+  return has_state(m) ? entropy_of_state(m, v, g_v) : thermoelastic_entropy(m, v.Je_minus_1, g_v);
 }
 template <class T> T entropy_slope(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
-  return entropy_slope(law.parameters, v.Je_minus_1, v.J_th, g_v);
+  const MaterialParameters& m = law.parameters;
+  return has_state(m) ? (m.eos_gamma * m.c_v) * g_v : entropy_slope(m, v.Je_minus_1, v.J_th, g_v);
 }
 template <class T>
 T heat_capacity(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
-  return heat_capacity(law.parameters, v.Je_minus_1, g_v, theta);
+  const MaterialParameters& m = law.parameters;
+  return has_state(m) ? capacity_of_state(m, v, g_v, theta) : heat_capacity(m, v.Je_minus_1, g_v, theta);
 }
 template <class T>
 T thermoelastic_energy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
-  return thermoelastic_energy(law.parameters, v.Je_minus_1, g_v, theta);
+  const T heat = theta * thermoelastic_entropy(law, v, g_v);
+  return has_state(law.parameters) ? heat + energy_of_free_volume(law.parameters, v.J_th) : heat;
 }
-template <class Law, class T>
-ElasticVolume<T> elastic_volume(const Law& law, const T& J_minus_1, const T& theta) {
+template <class T> ElasticVolume<T> elastic_volume(const PointLaw& law, const T& J_minus_1, const T& theta) {
   if (law.parameters.alpha_t == 0) return {J_minus_1, T(1.0)};
   const T J_th = thermal_volume(law, theta);
   return {(J_minus_1 - (J_th - T(1.0))) / J_th, J_th};
 }
 /// The volumetric part of the free energy.
 template <class T> T volume_energy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
-  return g_v * volumetric_energy(law.parameters, v.Je_minus_1);
+  const MaterialParameters& m = law.parameters;
+  if (!has_state(m)) return g_v * volumetric_energy(m, v.Je_minus_1);
+  return g_v * energy_of_state(m, v.Je_minus_1, v.J_th) + energy_of_free_volume(m, v.J_th);
 }
 
 /// P = tau F^-T

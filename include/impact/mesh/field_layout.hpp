@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/scratch_vec.hpp>
 #include <vector>
@@ -36,7 +35,11 @@ private:
   Handle<DM> dm_;
   Handle<Vec> work_; ///< local vector reused by the transfers
   int node_count_;
-  std::vector<std::array<PetscInt, 2>> owned_; ///< local node, its place among those that this rank owns
+  /// Nodes of this rank that follow one another both among its local nodes and among those that it owns.
+  struct Row {
+    PetscInt node, place, count;
+  };
+  std::vector<Row> owned_;
 };
 
 /// Whether factorising matrices over all displacements is what a run does unless its options say otherwise:
