@@ -30,6 +30,11 @@ def long():
     return "IMPACT_LONG" in os.environ
 
 
+def some(rows, every):
+    """All rows in the long form of a script, in the short one each `every`-th of them."""
+    return list(rows)[:: 1 if long() else every]
+
+
 class Run:
     """A finished run: `code`, `log` (all that was printed), `history` (see read_history) and its folder `dir`."""
 

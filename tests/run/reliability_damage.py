@@ -12,7 +12,7 @@ import time
 from _reliability import BOTH, crashed, difference, history, log_of, run_within, start, with_mesh
 from _runs import ENVIRONMENT, check, finish, long, require
 
-WANTED = int(os.environ.get("IMPACT_COUNT", 1000 if long() else 24))
+WANTED = int(os.environ.get("IMPACT_COUNT", 1000 if long() else 14))
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))
 random.seed(seed)
 print(f"     IMPACT_SEED={seed}")

@@ -14,7 +14,7 @@ import time
 from _reliability import BOTH, FRACTURE, command, crashed, log_of, run_within, start, with_mesh
 from _runs import ENVIRONMENT, check, finish, long, require
 
-WANTED = int(os.environ.get("IMPACT_COUNT", 3000 if long() else 40))
+WANTED = int(os.environ.get("IMPACT_COUNT", 3000 if long() else 24))
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))
 random.seed(seed)
 print(f"     IMPACT_SEED={seed}")

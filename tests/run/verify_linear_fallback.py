@@ -18,11 +18,12 @@ for column in ("energy_elastic", "reaction_push_x"):
     check(f"{column}, as by factors from the start", falls[column][-1], factors[column][-1], 1e-9)
 again = run("falls", {**FAILS, "restart": "falls/checkpoints/checkpoint_000001.h5"})
 require("a restart goes on by factors without a word", SAID not in again.log)
-tried = run("tried", {**FAILS, "test_restep": 1}, refused=None)
+tried = run("tried", {**FAILS, "test_restep": 1}, refused=None) if long() else None
 two = run("two", FAILS, ranks=2)
 for column in ("energy_elastic", "reaction_push_x"):
     require(f"restart: {column} bit for bit", (again[column][-2:] == falls[column][-2:]).all())
-    require(f"steps tried twice: {column} bit for bit", (tried[column] == falls[column]).all())
+    if tried:
+        require(f"steps tried twice: {column} bit for bit", (tried[column] == falls[column]).all())
     check(f"two ranks: {column}", two[column][-1], falls[column][-1], 1e-9)
 asked = run("asked", {**FAILS, "motion_ksp_type": "cg", "motion_pc_type": "jacobi"}, code=5)
 require("a solver that was asked for fails as it is", "DIVERGED_LINEAR_SOLVE" in asked.log and SAID not in asked.log)

@@ -11,7 +11,7 @@ import sys
 
 from _runs import BREAKING_BLOCKS, ENVIRONMENT, PROGRAM, SOURCE, TWO_BLOCKS, check_between, finish, long, option_file, require, run
 
-ALL = {**BREAKING_BLOCKS, "contact_face_conductance": 1e5, "ts_max_time": 0.03, "checkpoint_every": 8,
+ALL = {**BREAKING_BLOCKS, "contact_face_conductance": 1e5, "ts_max_time": 0.02, "checkpoint_every": 8,
        **{f"material_{body}_{key}": value for body in ("lower", "upper")
           for key, value in {"c_v": 1e6, "conductivity": 50}.items()}}
 STEPS = ("Steps", "Motion", "Damage", "Heat")
@@ -46,7 +46,7 @@ with open(f"{SOURCE}/src/petsc/log.cpp") as file:
 require(f"the page names the {len(names)} events, but for {sorted(names - told)}", names <= told)
 
 for ranks in (1, 2) if long() else (2,):
-    resumed = {**ALL, "restart": f"all_{ranks}/checkpoints/checkpoint_000001.h5", "ts_max_time": 0.034}
+    resumed = {**ALL, "restart": f"all_{ranks}/checkpoints/checkpoint_000001.h5", "ts_max_time": 0.022}
     read = {k: v for k, v in ALL.items() if not k.startswith("mesh_set_")}
     logs = (log(f"all_{ranks}", ALL, ranks=ranks), log(f"resumed_{ranks}", resumed, ranks=ranks),
             log(f"read_{ranks}", {**read, "mesh": f"all_{ranks}/two_blocks.msh", "ts_max_time": 2e-3}, ranks=ranks))

@@ -204,9 +204,10 @@ ROWS = [
 ]
 
 
-if not long():  # of rows that are alike one in three
+EVERY = ROWS
+if not long():  # one in two, of those that are alike one in six
     ALIKE = [row for row in ROWS if row[0].startswith(("unknown: ", "without effect: ", "no value of PETSc's: "))]
-    ROWS = [row for row in ROWS if row not in ALIKE] + ALIKE[::3]
+    ROWS = [row for row in ROWS if row not in ALIKE][::2] + ALIKE[::6]
 
 
 def start(options, ranks):
@@ -222,7 +223,7 @@ for claim, options, status, words in ROWS:
     message = lines[-1] if lines else "nothing"
     require(f"{claim}: status {code}, {message[:200]}", code == status and all(word in message for word in words))
 # What one rank alone may see ends the job on all of them with one line.
-for claim, options, status, words in [row for row in ROWS if row[0] in (
+for claim, options, status, words in [row for row in EVERY if row[0] in (
         "a pressure inside a body", "phi above 1 later", "a negative coefficient of convection",
         "two displacements that agree at the ends alone")]:
     code, lines = start(options, 2)
@@ -265,7 +266,7 @@ require("an output folder that cannot be made", folder.returncode == 4 and '-out
 # Sides that share nodes: around a sharp tip nothing strikes (it "overlapped" there), across a notch they meet.
 for dim, space in ((2, False), (3, True)):
     CORNER = more(without(PULL, "bc_push"), contacts="c", contact_c_secondary="left", contact_c_primary="right", material_solid_nu=0, outputs="none")
-    for method in ("auto", "gpts", "mortar") if dim == 2 or long() else ("auto",):
+    for method in ("auto", "gpts", "mortar") if long() else ("auto",):
         r = run(f"tip{dim}{method}", more(CORNER, mesh=write_wedge("tip.geo", space=space), bcs="hold", contact_c_method=method, ts_dt=1))
         said = [line for line in r.log.splitlines() if "adjoin" in line]
         require(f"around a tip, {dim}D, {method}: told once with nodes and remedy",

@@ -71,11 +71,11 @@ def blocks(name, p, **more):
 for p in (1e-3, 0.1, 1, 100):
     # The absolute tolerance, a part of the stiffness of a body, is near the smallest load.
     blocks(f"blocks_{p:g}", p, **({"motion_snes_atol": 1e-13} if p < 0.01 else {}))
-for p in (0.1, 1, 100) if long() else (1,):  # 14,000 unknowns: the second block is pushed towards what it does not face yet
+for p in (0.1, 1, 100) if long() else ():  # 14,000 unknowns: the second block is pushed towards what it does not face yet
     r = blocks(f"fine_blocks_{p:g}", p, mesh_set_n=10, contact_c_search_radius=0.2, contact_d_search_radius=0.2)
     check(f"fine blocks, p/E = {p / E:g}: steps", len(r["time"]) - 1, 1, 0)
 # A cylinder of aluminium under pressure at one end, in SI units: its forces go with 2 pi R h, not with h.
-for size in (1e-8, 1e-5, 1e-2):
+for size in (1e-8, 1e-5, 1e-2)[:: 1 if long() else 2]:
     for pressure in (10, 1e5):
         r = run(f"rings_{size:g}_{pressure:g}", {
             "mesh": mesh("block.geo"), "mesh_scale": size, "plane": "axisymmetric", "materials": "solid", "material_solid_E": 7e10,
