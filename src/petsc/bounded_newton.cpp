@@ -19,6 +19,8 @@ public:
   void set_up(SNES snes);
   /// Starts at x with the residual f there; its norm without the rows that bounds hold. Collective.
   PetscReal start(Vec x, Vec f);
+  /// The norm of all its rows.
+  PetscReal whole() const { return whole_; }
   /// Moves s until that norm is at most `target`; false where a linear solve fails. Collective.
   bool minimise(SNES snes, PetscReal target);
   Vec solution() const { return s_; }
@@ -36,6 +38,7 @@ private:
   Vec low_ = nullptr, high_ = nullptr;
   Handle<Mat> shell_, part_; // A of free rows and columns; the same entry by entry
   Handle<Vec> s_, r_, d_, trial_, moved_, masked_, w_, free_, diagonal_;
+  PetscReal whole_ = 0;              // norm of the residual with the rows that bounds hold
   PetscReal held_ = 0, changed_ = 0; // rows at bounds, rows that came or went since the last look
   PetscReal rtol_ = 0;               // of the KSP, as the options say
   PreconditionerReuse reuse_{10};
@@ -86,7 +89,7 @@ PetscReal Model::start(Vec x, Vec f) {
 
 // A row is held where a bound stops it and its residual presses on.
 PetscReal Model::find_free() {
-  double sums[3] = {0, 0, 0}; // squares of the residual, rows held, rows changed
+  double sums[4] = {0, 0, 0, 0}; // squares of the residual, rows held, rows changed, all squares
   {
     PetscInt size = 0;
     double* free = nullptr;
@@ -99,14 +102,16 @@ PetscReal Model::find_free() {
       sums[0] += now * r[i] * r[i];
       sums[1] += 1 - now;
       sums[2] += now == free[i] ? 0 : 1;
+      sums[3] += r[i] * r[i];
       free[i] = now;
     }
     check(VecRestoreArray(free_, &free));
   }
-  check(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM,
+  check(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM,
                       PetscObjectComm(reinterpret_cast<PetscObject>(free_.get()))));
   held_ = sums[1];
   changed_ = sums[2];
+  whole_ = std::sqrt(sums[3]);
   return std::sqrt(sums[0]);
 }
 
@@ -159,8 +164,10 @@ void Model::go() {
     check(VecPointwiseMin(trial_, trial_, high_));
     check(VecWAXPY(moved_, -1, s_, trial_));
     check(MatMult(A_, moved_, w_));
-    check(VecDot(moved_, r_, &slope));
-    check(VecDot(moved_, w_, &bend));
+    check(VecDotBegin(moved_, r_, &slope));
+    check(VecDotBegin(moved_, w_, &bend));
+    check(VecDotEnd(moved_, r_, &slope));
+    check(VecDotEnd(moved_, w_, &bend));
     if (slope + bend / 2 <= 0) {
       check(VecCopy(trial_, s_));
       return check(VecAXPY(r_, 1, w_));
@@ -299,13 +306,12 @@ PetscReal Extrapolation::go_on(Model& model, Vec x, Vec f, PetscReal norm) {
 void solve(SNES snes) {
   Model& model = *static_cast<Model*>(snes->data);
   const Vec x = snes->vec_sol, f = snes->vec_func;
-  PetscReal whole = 0;
   snes->reason = SNES_CONVERGED_ITERATING;
   snes->iter = 0;
   clip(snes, x);
   check(SNESComputeFunction(snes, x, f));
-  check(VecNorm(f, NORM_2, &whole));
-  judge(snes, model.start(x, f), whole);
+  const PetscReal norm = model.start(x, f), whole = model.whole();
+  judge(snes, norm, whole);
   PetscReal forcing = 0;
   Extrapolation rest(snes);
   while (!snes->reason && snes->iter < snes->max_its) {
@@ -320,9 +326,9 @@ void solve(SNES snes) {
     check(VecCopy(model.solution(), x));
     check(SNESComputeFunction(snes, x, f));
     ++snes->iter;
-    PetscReal norm = model.start(x, f);
-    if (!snes->domainerror) norm = rest.go_on(model, x, f, norm);
-    judge(snes, norm, whole);
+    PetscReal reached = model.start(x, f);
+    if (!snes->domainerror) reached = rest.go_on(model, x, f, reached);
+    judge(snes, reached, whole);
     forcing = snes->norm > 10 * target ? 1e-3 : 0; // what is not quadratic asks for no exact minimum
   }
   if (!snes->reason) snes->reason = SNES_DIVERGED_MAX_IT;

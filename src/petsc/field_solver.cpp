@@ -52,6 +52,17 @@ void settle_smoothers(PC pc) {
   if (has_type(pc, PCGAMG) && !given) check(PCGAMGSetUseSAEstEig(pc, PETSC_FALSE));
 }
 
+void settle_solver(KSP ksp) {
+  const char* prefix = nullptr;
+  PetscBool given = PETSC_FALSE;
+  int ranks = 1;
+  settle_smoothers(Get(KSPGetPC)(ksp));
+  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks);
+  check(KSPGetOptionsPrefix(ksp, &prefix));
+  check(PetscOptionsHasName(nullptr, prefix, "-ksp_norm_type", &given));
+  if (ranks > 1 && has_type(ksp, KSPCG) && !given) check(KSPSetNormType(ksp, KSP_NORM_NATURAL));
+}
+
 void forget_factors(SNES snes) {
   const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPReset(ksp));

@@ -85,10 +85,10 @@ void DamageProblem::make_solver() {
   prepare(snes_);
   check(SNESSetFromOptions(snes_));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
-  settle_smoothers(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)));
-  if (settings_.bounds != DamageBounds::vi)
-    return check(SNESSetType(snes_, SNESNEWTONLS)); // -damage_snes_type names the bounded method
-  suit_linear_solver(snes_);
+  const bool vi = settings_.bounds == DamageBounds::vi;
+  if (vi) suit_linear_solver(snes_);
+  settle_solver(Get(SNESGetKSP)(snes_));
+  if (!vi) return check(SNESSetType(snes_, SNESNEWTONLS)); // -damage_snes_type names the bounded method
   check(SNESVISetVariableBounds(snes_, lower_, upper_));
   if (!has_type(snes_.get(), vi_newton_qp) && has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)), PCGAMG))
     throw UserError(

@@ -48,7 +48,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   const double rounding = 1e-15 * capacity * temperature * d_.small_cell();
   field_.prepare(snes_, SNESNEWTONLS, rounding, 1e-10, 50);
   check(SNESSetFromOptions(snes_));
-  settle_smoothers(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)));
+  settle_solver(Get(SNESGetKSP)(snes_));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
 }
 

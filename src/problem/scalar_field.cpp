@@ -87,11 +87,12 @@ void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, in
   check(KSPSetType(ksp, KSPCG));
   check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   const PC pc = Get(KSPGetPC)(ksp);
+  int ranks = 1;
+  MPI_Comm_size(d_.mesh.comm(), &ranks);
+  check(KSPCGUseSingleReduction(ksp, ranks > 1 ? PETSC_TRUE : PETSC_FALSE));
   // What a step by central differences changes reaches no farther than a few cells.
   if (d_.lumped_mass) return check(PCSetType(pc, PCSOR));
   const std::string prefix = Get(SNESGetOptionsPrefix)(snes);
-  int ranks = 1;
-  MPI_Comm_size(d_.mesh.comm(), &ranks);
   if (width > 10 * d_.mesh.smallest_edge()) {
     check(PCSetType(pc, PCHYPRE));
     const std::string amg = prefix + "pc_hypre_boomeramg_";

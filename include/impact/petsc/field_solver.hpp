@@ -66,6 +66,9 @@ SNESConvergedReason reason_by_residual(SNES snes);
 /// the options say otherwise. That of smoothing the prolongators is the first matrix's, which they would keep
 /// when they are set up for another one: plastic flow makes them diverge.
 void settle_smoothers(PC pc);
+/// The same, and on several ranks conjugate gradients by the norm that they find anyway, unless the options
+/// name one: they ask all ranks once in an iteration (KSPCGUseSingleReduction), not three times. Collective.
+void settle_solver(KSP ksp);
 
 /// Leaves the linear solver of `snes` as if it had never solved: factors, hierarchies, and what a
 /// preconditioner keeps beside them. Collective.
