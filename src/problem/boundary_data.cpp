@@ -143,9 +143,8 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
     if (bc.type == BcType::symmetry && axis < 0)
       throw UserError(ExitCode::data,
                       "-bc_" + bc.id + "_type symmetry: group \"" + group.name +
-                          "\" is not a plane normal to a coordinate axis; prescribe the components"
-                          " by -bc_" +
-                          bc.id + "_ux .. instead");
+                          "\" is not one plane normal to a coordinate axis; two such planes are held by a "
+                          "condition each, and a body is turned until an inclined one is normal to an axis");
     for (int node : nodes) {
       if (!body_of_node.empty() && body_of_node[at(node)] >= 0) continue;
       for (int k = 0; k < dim_; ++k) {

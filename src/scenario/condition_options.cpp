@@ -93,13 +93,15 @@ OptionClass<BoundaryCondition> boundary_class() {
              [](const Bc& bc, int dim) {
                return kind_of(bc).on == On::facets ? dim - 1 : kind_of(bc).on == On::cells ? dim : 0;
              });
-  row.choice("type", &Bc::type,
-             "what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
-             "positive inwards; force is a total, of a plane problem on its -thickness, of a ring on all of "
-             "it, spread over the reference area, the length of lines or "
-             "evenly over points; body_force is per mass; heat_flux is inwards, per reference area, "
-             "heat_source per reference volume; convection is a flux h (value - theta)",
-             types);
+  row.choice(
+      "type", &Bc::type,
+      "what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
+      "positive inwards; force is a total, of a plane problem on its -thickness, of a ring on all of "
+      "it, spread over the reference area, the length of lines or "
+      "evenly over points; body_force is per mass; heat_flux is inwards, per reference area, "
+      "heat_source per reference volume; convection is a flux h (value - theta); symmetry holds one plane "
+      "normal to an axis",
+      types);
   row.components("u", &Bc::component, by_type,
                  "component of what the type prescribes, of a displacement, velocity, force, traction, ..; "
                  "left out: free, or no load",

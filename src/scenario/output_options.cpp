@@ -98,7 +98,7 @@ OptionClass<OutputScenario> output_class() {
                         " writes it already; remove one of them";
                });
   row.list("fields", &Output::fields, "what an xdmf output holds", all_fields())
-      .otherwise("all that the physics has, without a")
+      .otherwise("all that the physics has, without a and what materials are told (E, Gc, strength)")
       .barred([](const Output& output) { return output.type == Output::Type::csv; },
               ": has no meaning for type csv; the columns of the history are fixed, use -probes and "
               "-measures");

@@ -31,6 +31,7 @@ bool exchanges(const Discretisation& d) {
 Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings,
                    const SolverDefaults& defaults, bool stabilise_contact)
     : ts_(ts), fields_(fields), settings_(settings),
+      last_step_(fields.state.add({"last_step", Support::global, 1}, 1)),
       solver_(ts, fields.motion, defaults, settings, fields.state), augmentation_(ts, fields.motion, solver_),
       update_(ts, fields.motion, solver_, fields.state,
               stabilise_contact && !fields.motion.contacts().empty(), has_unilateral_stress(fields)),
@@ -188,15 +189,6 @@ void Coupling::expose_contacts(Vec u) {
 
 void Coupling::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   if (update_.stabilised()) update_.predict(attempt, u_tilde, v);
-}
-
-// The last increment, scaled: prescribed nodes do not jump ahead of their neighbours, and unlike dt v_n it
-// does not follow the alternation of v that an undamped integrator keeps at frequencies far above 1/dt.
-void Coupling::guess(const Attempt& attempt, Vec u) {
-  std::vector<double> local = fields_.state.row("u").committed;
-  const std::vector<double>& rate = fields_.state.row("mean_rate").committed;
-  for (std::size_t i = 0; i < local.size(); ++i) local[i] += attempt.dt * rate[i];
-  fields_.motion.discretisation().displacement.to_global(local, u);
 }
 
 void Coupling::correct(Vec u, Vec v, Vec a) {

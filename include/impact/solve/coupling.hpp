@@ -112,6 +112,7 @@ private:
   TS ts_;
   Fields fields_;
   CouplingScenario settings_;
+  StateRow& last_step_; // how long it was; 0: there was none
   MotionSolver solver_;
   Augmentation augmentation_;
   StabilisedUpdate update_;

@@ -15,7 +15,8 @@
 /// (theory.md, 7).
 namespace impact {
 
-// Members beyond twelve: collaborators, vectors, and what is counted of a solve and of an attempt.
+// Members beyond twelve: collaborators, vectors, and what is counted of a solve and of an attempt. More
+// functions than usual: a step asks for guess, entry, solve and second solve one by one.
 class MotionSolver {
 public:
   struct Counts {
@@ -32,6 +33,9 @@ public:
   void begin_attempt(PetscInt number);
   /// u with the prescribed values, and the contact candidates near it. Collective.
   Handle<Vec> imposed(Vec u);
+  /// The norm of the forces that are left at u with the prescribed values; infinite where a cell has no
+  /// volume. Collective.
+  PetscReal left_at(Vec u);
   /// Takes u, the guess of a step, to `goal`, its prescribed values; where worth while by an iteration. Along
   /// a path that ArcLength finds instead, and false where none leads on. Collective.
   bool enter_step(Vec u, Vec goal);

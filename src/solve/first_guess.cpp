@@ -1,0 +1,41 @@
+#include <cmath>
+#include <impact/petsc/error.hpp>
+#include <impact/solve/coupling.hpp>
+#include <utility>
+
+/// Where the motion of a step begins.
+namespace impact {
+
+namespace {
+
+// Of the step before: loads go on for as long as that, and may end after it.
+constexpr double farthest = 2;
+
+} // namespace
+
+// The last increment, scaled: prescribed nodes do not jump ahead of their neighbours, and unlike dt v_n it
+// does not follow the alternation of v that an undamped integrator keeps at frequencies far above 1/dt. A
+// step that is far longer than the one before takes it only where it leaves less force than standing still:
+// under a load that is held it would lead past the next equilibrium, or turn cells inside out.
+void Coupling::guess(const Attempt& attempt, Vec u) {
+  const FieldLayout& layout = fields_.motion.discretisation().displacement;
+  const std::vector<double>& start = fields_.state.row("u").committed;
+  const std::vector<double>& rate = fields_.state.row("mean_rate").committed;
+  const double before = std::exchange(last_step_.trial[0], attempt.dt);
+  std::vector<double> ahead = start;
+  for (std::size_t i = 0; i < ahead.size(); ++i) ahead[i] += attempt.dt * rate[i];
+  layout.to_global(ahead, u);
+  if (!settings_.moves || path_ || solver_.arc_length() || before == 0 || attempt.dt <= farthest * before)
+    return;
+  const Handle<Vec> still = layout.make_global();
+  layout.to_global(start, still);
+  if (!(solver_.left_at(u) < solver_.left_at(still))) check(VecCopy(still, u));
+}
+
+PetscReal MotionSolver::left_at(Vec u) {
+  check(SNESComputeFunction(snes_, imposed(u), residual_));
+  const PetscReal norm = Get(VecNorm)(residual_, NORM_2);
+  return std::exchange(cell_broke_, false) ? HUGE_VAL : norm;
+}
+
+} // namespace impact
