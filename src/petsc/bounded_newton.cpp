@@ -21,7 +21,8 @@ public:
   PetscReal start(Vec x, Vec f);
   /// The norm of all its rows.
   PetscReal whole() const { return whole_; }
-  /// Moves s until that norm is at most `target`; false where a linear solve fails. Collective.
+  /// Moves s from there until that norm, which is snes->norm, is at most `target`; false where a linear solve
+  /// fails. Collective.
   bool minimise(SNES snes, PetscReal target);
   Vec solution() const { return s_; }
 
@@ -220,8 +221,13 @@ bool Model::minimise(SNES snes, PetscReal target) {
   constexpr int most = 200;
   constexpr PetscReal rough = 0.5; // while the free set is not the last one
   bool settled = held_ == 0, converged = true;
-  PetscReal norm = find_free(), before = HUGE_VAL;
+  PetscReal norm = snes->norm, before = HUGE_VAL;
   target = std::max(target, rtol_ * norm);
+  if (held_ != 0 && norm > target) {
+    sweep();
+    norm = find_free();
+    settled = changed_ == 0;
+  }
   for (int k = 0; k < most && converged && norm > target; ++k) {
     if (settled && norm > before / 2) break; // rounding
     before = settled ? norm : HUGE_VAL;

@@ -29,7 +29,7 @@ for n in (40, 80, 160):
         **BLOCK, "mesh_set_n": n, "mesh_set_ny": 1, "mesh_set_lx": 0.5, "mesh_set_ly": 0.1, "material_solid_E": 210e3,
         "material_solid_nu": 0.3, "material_solid_damage": "at1", "material_solid_split": "volumetric", "material_solid_Gc": GC,
         "material_solid_gamma": WIDTH, "bcs": "hold,crack", "bc_hold_on": "solid", "bc_hold_type": "fix",
-        "bc_crack_on": "left", "bc_crack_type": "damage", "bc_crack_value": 1, "ts_dt": 1, "ts_max_time": 1,
+        "bc_crack_on": "left", "bc_crack_type": "damage", "bc_crack_value": 1, "ts_dt": 1, "ts_max_time": 1, "damage_snes_rtol": 1e-13,
         "probes": "near,far", "probe_near_at": "0.1,0.05", "probe_near_fields": "phi", "probe_far_at": "0.25,0.05",
         "probe_far_fields": "phi"})
     energies.append(abs(run["energy_fracture"][-1] / 0.1 - GC / 2))
