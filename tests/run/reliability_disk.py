@@ -17,7 +17,8 @@ from _runs import check, finish, long, require
 
 OPTIONS = {**with_mesh(BOTH), "restart": "auto", "checkpoint_patience": 3}
 require("undisturbed run", run_within(60, "whole", OPTIONS) == 0)
-require("undisturbed run on 2 ranks", run_within(60, "whole_2", OPTIONS, 2) == 0)
+if long():
+    require("undisturbed run on 2 ranks", run_within(60, "whole_2", OPTIONS, 2) == 0)
 size = os.path.getsize("whole/checkpoints/checkpoint_000006.h5")
 print(f"     a checkpoint has {size} bytes")
 
@@ -37,7 +38,7 @@ def goes_on(folder, whole, ranks=1):
 
 
 # Checkpoints: the k-th change of a checkpoint file fails, and all after it.
-for name, first, ranks in (("at_first", 1, 1), ("in_second", 100, 1), ("in_third", 150, 2))[:: 1 if long() else 2]:
+for name, first, ranks in (("at_first", 1, 1), ("in_second", 100, 1), ("in_third", 150, 2))[: 3 if long() else 1]:
     folder = "full_" + name
     code = run_within(60, folder, OPTIONS, ranks, FAULTY, f"full:{first}:checkpoint_")
     require(f"{folder}: status 4 (is {code}) and a line that names the file", says(folder, code, "checkpoint_"))
