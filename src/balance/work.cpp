@@ -279,11 +279,10 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   reactions_.resize(u.size());
   double sums[6] = {0, 0, 0, 0, 0, 0};
   const std::vector<char>& fixed = motion_.boundary().fixed_mask();
-  const std::vector<int>& body = motion_.rigid().body_of_node();
   const auto dim = at(d.dim());
   for (int node = 0; node < d.mesh.node_count(); ++node) {
     if (!d.mesh.owned(node)) continue;
-    const bool rigid = !body.empty() && body[at(node)] >= 0; // whose inertia is not that of the nodes
+    const bool rigid = in_rigid_body(dim * at(node)); // whose inertia is not that of the nodes
     for (std::size_t i = dim * at(node); i < dim * at(node + 1); ++i) {
       const double du = u[i] - u_.committed[i], a_n = a_.committed[i];
       inertia_force_.trial[i] = mass_[i] * a_new_[i];

@@ -151,9 +151,9 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
                                              {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr,
                                               state, erosion.on() ? &erosion : nullptr},
                                              s.coupling, solver, stabilises(comm, s, solver)),
-      ledger(
-          motion, state, inertia, s.has_motion(),
-          {s.history_materials, s.coupling.report_error, coupling.unilateral(), s.time.has_bulk_viscosity()}),
+      ledger(motion, state, inertia, s.has_motion(),
+             {s.history_materials, s.coupling.report_error, coupling.unilateral(),
+              s.coupling.by_central_differences.bulk.acts()}),
       source(motion, state), u(d.displacement.make_global()), v(d.displacement.make_global()),
       a(d.displacement.make_global()) {
   if (s.explicit_steps()) // many short steps, whose time is that of passing through memory

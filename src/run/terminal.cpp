@@ -51,7 +51,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
     const bool cured = simplex ? found[i] == in_patches : p.locking != Locking::none;
-    const bool shocks = simplex && s.has_heat() && s.time.has_bulk_viscosity();
+    const bool shocks = simplex && s.has_heat() && s.coupling.by_central_differences.bulk.acts();
     if (!found[i]) continue;
     if (cured)
       check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),

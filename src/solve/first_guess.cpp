@@ -1,4 +1,3 @@
-#include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/solve/coupling.hpp>
 #include <utility>
@@ -30,12 +29,6 @@ void Coupling::guess(const Attempt& attempt, Vec u) {
   const Handle<Vec> still = layout.make_global();
   layout.to_global(start, still);
   if (!(solver_.left_at(u) < solver_.left_at(still))) check(VecCopy(still, u));
-}
-
-PetscReal MotionSolver::left_at(Vec u) {
-  check(SNESComputeFunction(snes_, imposed(u), residual_));
-  const PetscReal norm = Get(VecNorm)(residual_, NORM_2);
-  return std::exchange(cell_broke_, false) ? HUGE_VAL : norm;
 }
 
 } // namespace impact

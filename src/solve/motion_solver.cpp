@@ -6,6 +6,7 @@
 #include <impact/solve/motion_solver.hpp>
 #include <impact/time/types.hpp>
 #include <string_view>
+#include <utility>
 
 namespace impact {
 
@@ -152,6 +153,12 @@ Handle<Vec> MotionSolver::imposed(Vec u) {
   motion_.impose(goal);
   refresh_contact(goal);
   return goal;
+}
+
+PetscReal MotionSolver::left_at(Vec u) {
+  check(SNESComputeFunction(snes_, imposed(u), residual_));
+  const PetscReal norm = Get(VecNorm)(residual_, NORM_2);
+  return std::exchange(cell_broke_, false) ? HUGE_VAL : norm;
 }
 
 // Prescribed nodes that jump ahead of their neighbours leave the whole increment to one layer of cells, and a

@@ -137,7 +137,6 @@ struct TimeScenario {
   std::map<std::string, double> of_petsc;       ///< given options that the integrator reads itself
 
   double scale() const { return dt > 0 ? dt : 1e-6 * max_time; } ///< of a step
-  bool has_bulk_viscosity() const { return bulk_linear > 0 || bulk_quadratic > 0; }
   double steps() const; ///< of the run if none is cut; without limit where they find their length
 };
 
