@@ -11,6 +11,7 @@
 #include <impact/run/stop_requests.hpp>
 #include <impact/scenario/scenario.hpp>
 #include <string>
+#include <vector>
 
 namespace impact {
 #ifdef IMPACT_FAULT_INJECTION
@@ -35,6 +36,35 @@ int report(const char* text, impact::ExitCode code, bool collective) {
   return static_cast<int>(code);
 }
 
+constexpr const char* usage = R"(impact, contact, plasticity and fracture in impact problems
+
+  impact -options_file run.opts [-<option> <value>]...   a run; mpirun -n 2 impact ... on two ranks
+  impact -options_file run.opts -dry_run on              checks it, prints its resolved input, and stops
+  impact -options_file run.opts -help                    the same with all options, those of its solvers too
+  impact -reference                                      all options but PETSc's, with units and defaults
+  impact -version
+
+README.md has a first run; the folder options has examples.
+)";
+
+/// What a command line asks of the program itself, for which nothing is computed; empty for a run.
+std::string answer_to(const std::vector<std::string>& words) {
+  const auto says = [&](const char* option) { return std::ranges::find(words, option) != words.end(); };
+  if (words.empty() || says("--help") || says("-h") || words == std::vector<std::string>{"-help"})
+    return usage;
+  if (says("-reference")) return impact::option_reference();
+  if (says("-version") || says("--version"))
+    return "impact " IMPACT_VERSION ", with PETSc " + std::to_string(PETSC_VERSION_MAJOR) + "." +
+           std::to_string(PETSC_VERSION_MINOR) + "." + std::to_string(PETSC_VERSION_SUBMINOR) + "\n";
+  return "";
+}
+
+/// Before MPI starts.
+bool first_of_job() {
+  const char* const rank = std::getenv("OMPI_COMM_WORLD_RANK");
+  return rank == nullptr || std::strcmp(rank, "0") == 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -43,9 +73,10 @@ int main(int argc, char** argv) {
                  "impact: this program was compiled for x86-64-v3 (AVX2, FMA), which this processor lacks\n");
     return static_cast<int>(impact::ExitCode::internal);
   }
-  if (std::any_of(argv + 1, argv + argc, [](const char* word) { return !std::strcmp(word, "-reference"); })) {
-    std::fputs(impact::option_reference().c_str(), stdout);
-    return 0;
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (const std::string answer = answer_to(words); !answer.empty()) {
+    if (first_of_job()) std::fputs(answer.c_str(), words.empty() ? stderr : stdout);
+    return static_cast<int>(words.empty() ? impact::ExitCode::usage : impact::ExitCode::ok);
   }
   impact::yield_while_waiting();
   impact::hold_to_one_thread();
@@ -53,8 +84,7 @@ int main(int argc, char** argv) {
   try {
     impact::check_option_files(argc, argv);
   } catch (const impact::UserError& error) {
-    const char* const rank = std::getenv("OMPI_COMM_WORLD_RANK"); // each rank sees the same files
-    if (rank == nullptr || std::strcmp(rank, "0") == 0) std::fprintf(stderr, "impact: %s\n", error.what());
+    if (first_of_job()) std::fprintf(stderr, "impact: %s\n", error.what()); // each sees the same files
     return static_cast<int>(error.code());
   }
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed

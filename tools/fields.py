@@ -44,7 +44,10 @@ def stop(message):
 
 
 class Fields:
-    """The grids of an .xdmf file, one for each time; arrays are read from its .h5 when they are asked for."""
+    """The grids of an .xdmf file, one for each time; arrays are read from its .h5 when they are asked for.
+
+    Nodes and cells of all grids have the order of the first one: a restart on other ranks writes them in another one.
+    """
 
     def __init__(self, path):
         self.path, self.dir = path, os.path.dirname(os.path.abspath(path))
@@ -58,7 +61,7 @@ class Fields:
         self.times = np.array([float(g.find("Time").get("Value")) for g in self.grids])
         said = {i.get("Name"): i.get("Value") for i in root.iter("Information")}
         self.system = SYSTEMS.get(said.get("units"))
-        self._cells = {}
+        self._cells, self._orders = {}, {}
 
     def unit(self, quantity):
         """Unit of a field, of "length" or of "time" as text in brackets, empty where it has none or the file does not say."""
@@ -79,19 +82,58 @@ class Fields:
 
     def places(self, grid):
         """Reference places of the nodes [node][3]."""
-        return self.array(grid.find("Geometry").find("DataItem"))
+        x = self.array(grid.find("Geometry").find("DataItem"))
+        order = self._order(grid)
+        return x if order is None else x[order[0]]
 
     def field(self, grid, name):
         """Values [entity][component] and whether they live on nodes; None when the grid lacks the field."""
         for attribute in grid.iter("Attribute"):
             if attribute.get("Name") == name:
-                values = self.array(attribute.find("DataItem"))
-                return values.reshape(len(values), -1), attribute.get("Center") == "Node"
+                values, on_nodes = self.array(attribute.find("DataItem")), attribute.get("Center") == "Node"
+                order = self._order(grid)
+                if order is not None:
+                    values = values[order[0 if on_nodes else 1]]
+                return values.reshape(len(values), -1), on_nodes
         return None
+
+    def _order(self, grid):
+        """Nodes and cells of a grid's mesh in the order of the first one's, as their own numbers; None where they are in it."""
+        name = grid.find("Geometry").find("DataItem").text
+        if not self._orders:
+            self._orders[self.grids[0].find("Geometry").find("DataItem").text] = None
+        if name not in self._orders:
+            first, own = (self._keys(g) for g in (self.grids[0], grid))
+            self._orders[name] = None
+            if all(len(a) == len(b) for a, b in zip(first, own)):
+                order = []
+                for a, b in zip(first, own):
+                    of_first, of_own = np.lexsort(a.T), np.lexsort(b.T)
+                    order.append(np.empty_like(of_own))
+                    order[-1][of_first] = of_own
+                self._orders[name] = order
+        return self._orders[name]
+
+    def _keys(self, grid):
+        """What tells nodes and cells of a mesh apart whatever their order: [node][4], places and, for nodes that lie on each other,
+        the cells around them; [cell][1]."""
+        x = self.array(grid.find("Geometry").find("DataItem"))
+        spread = x @ np.sqrt([1.0, 2.0, 3.0])
+        topology = grid.find("Topology")
+        cells = self._sorted(self.array(topology.find("DataItem")), topology.get("TopologyType"))
+        around, count = np.zeros((2, len(x)))
+        of_cell = np.zeros((1 + max(index.max() for _, _, index in cells), 1))
+        for _, nodes, index in cells:
+            centre = spread[nodes].mean(axis=1)
+            np.add.at(of_cell[:, 0], index, centre)
+            for corner in nodes.T:
+                np.add.at(around, corner, centre)
+                np.add.at(count, corner, 1)
+        return np.column_stack([around / np.maximum(count, 1), x[:, ::-1]]), of_cell
 
     def cells(self, grid):
         """Triples (type, connectivity [cell][node], indices of these cells among all), without cells that have left."""
-        topology = grid.find("Topology")
+        topology = self.grids[0 if self._order(grid) is not None else self.grids.index(grid)].find("Topology")
         item, kind = topology.find("DataItem"), topology.get("TopologyType")
         if item.text not in self._cells:  # most times share their mesh
             self._cells[item.text] = self._sorted(self.array(item), kind)

@@ -31,7 +31,8 @@ Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool move
       erosion_(motion.discretisation().erodes() ? &state.row("erosion_totals") : nullptr),
       forces_(motion, state, inertia), reactions_(motion, state) {
   energies_.of.resize(motion_.discretisation().materials.size());
-  if (motion_.discretisation().has_heat()) heat_.emplace(motion_, state, moves);
+  if (motion_.discretisation().has_heat())
+    heat_.emplace(motion_, state, choice.heat ? choice.heat->contacts() : std::vector<std::string>());
 }
 
 void Ledger::measure(Vec u, Vec v, bool trial) {

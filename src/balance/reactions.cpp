@@ -4,17 +4,6 @@
 
 namespace impact {
 
-namespace {
-
-std::vector<std::string> heat_contacts(MotionProblem& motion, bool moves) {
-  std::vector<std::string> ids;
-  for (const ContactInterface& contact : motion.contacts())
-    if (contact.passes_heat() && moves) ids.push_back(contact.id());
-  return ids;
-}
-
-} // namespace
-
 Reactions::Reactions(MotionProblem& motion, const StateTable& state)
     : motion_(motion), theta_(state.find("theta")) {
   const Mesh& mesh = motion_.discretisation().mesh;
@@ -96,8 +85,8 @@ bool Reactions::turns(int condition, std::size_t axis) const {
                      [&](const RigidBody& body) { return body.held[3 + axis] == condition; });
 }
 
-HeatBook::HeatBook(MotionProblem& motion, StateTable& state, bool moves)
-    : totals_(state.add({"ledger_heat", Support::global, 3}, 3)), contacts_(heat_contacts(motion, moves)) {
+HeatBook::HeatBook(MotionProblem& motion, StateTable& state, std::vector<std::string> contacts)
+    : totals_(state.add({"ledger_heat", Support::global, 3}, 3)), contacts_(std::move(contacts)) {
   for (const BoundaryCondition& bc : motion.boundary().conditions())
     conditions_.push_back(is_thermal(bc.type) ? &state.add({"bc_" + bc.id + "_heat", Support::global, 1}, 1)
                                               : nullptr);

@@ -130,10 +130,15 @@ std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
   std::vector<double> conductance(constraints_->count(), 0.0),
       friction(conductance); // of an area, of a place
   const ContactValues values = nodes().displacement(u);
+  // What touches without pressure has one by rounding alone.
+  const double touching = settings_.conductance_exponent > 0      ? -HUGE_VAL
+                          : std::isnan(settings_.conductance_gap) ? 1e-6 * constraints_->mean_length()
+                                                                  : settings_.conductance_gap;
   constraints_->visit(values, Derivatives::none, [&](const Constraint& c) {
     friction_.add_heat(c, friction[at(c.index)]);
-    if (c.active && c.pressure > 0)
-      conductance[at(c.index)] = c.stretch * settings_.conductance_at(c.pressure / c.stretch);
+    const double pressure = c.active ? std::max(c.pressure, 0.0) : 0.0;
+    if (pressure > 0 || c.distance() <= touching)
+      conductance[at(c.index)] = c.stretch * settings_.conductance_at(pressure / c.stretch);
   });
   std::vector<HeatPath> paths;
   constraints_->form().visit_meetings(constraints_->place_of_gradients(values), [&](const Meeting& meeting) {

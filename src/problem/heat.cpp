@@ -29,7 +29,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
     capacity = std::max(capacity, m.law.parameters.c_v);
     temperature = std::max(temperature, m.law.parameters.theta0);
   }
-  if (contacts && moves)
+  if (contacts)
     for (const ContactInterface& contact : *contacts)
       if (contact.passes_heat()) contacts_.emplace_back(d_.mesh, contact);
   supplied_ = {std::vector<double>(boundary_.conditions().size(), 0.0),
@@ -96,6 +96,12 @@ HeatRows HeatProblem::rows() {
     rows.step_stress = &step_stress_;
   }
   return rows;
+}
+
+std::vector<std::string> HeatProblem::contacts() const {
+  std::vector<std::string> ids;
+  for (const ContactHeat& contact : contacts_) ids.push_back(contact.contact().id());
+  return ids;
 }
 
 void HeatProblem::forget_factors() { impact::forget_factors(snes_); }

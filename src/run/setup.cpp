@@ -219,6 +219,30 @@ ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable&
   return contacts;
 }
 
+// Contacts of bodies that stay where they are, and pass heat.
+ContactSet make_joints(Scenario s, const Discretisation& d, StateTable& state) {
+  std::erase_if(s.contacts, [](const ContactScenario& c) { return !(c.conductance > 0); });
+  for (ContactScenario& contact : s.contacts) contact.friction = 0;
+  ContactSet joints = make_contacts(s, d, state);
+  const Handle<Vec> u = d.displacement.make_global();
+  for (ContactInterface& contact : joints) {
+    contact.set_time(0, 0, false, {});
+    contact.update_search(u);
+    const std::string& id = contact.id();
+    const double gap = contact.measures(u).gap_min;
+    const MPI_Comm comm = d.mesh.comm();
+    if (max_over_ranks(comm, static_cast<int>(contact.heat_paths(u).size())) > 0)
+      check(PetscPrintf(comm, "contact %s: smallest gap %.4g, heat passes\n", id.c_str(), gap));
+    else
+      check(PetscPrintf(
+          comm,
+          "impact: contact %s: no heat passes, since no place is within -contact_%s_conductance_gap "
+          "of the other side; the smallest gap is %.4g\n",
+          id.c_str(), id.c_str(), gap));
+  }
+  return joints;
+}
+
 // Conditions of physics that is switched off are passed over.
 std::vector<BoundaryCondition> conditions_at_work(const Scenario& s, int dim) {
   std::vector<BoundaryCondition> conditions;
@@ -284,7 +308,7 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
   BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node(),
                         {frame_of(s.plane), s.thickness});
   auto setup =
-      std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}, {}});
+      std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}, {}, {}});
   declare_state(setup->discretisation, setup->state);
   setup->discretisation.lumped_mass = s.explicit_steps();
   setup->discretisation.lumped_capacity =
@@ -296,7 +320,10 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
         &setup->state.add(std::move(row), setup->discretisation.point_values(1), 1).committed;
   }
   setup->rigid.declare_state(setup->state);
-  if (s.has_motion()) setup->contacts = make_contacts(s, setup->discretisation, setup->state);
+  if (s.has_motion())
+    setup->contacts = make_contacts(s, setup->discretisation, setup->state);
+  else if (s.has_heat())
+    setup->joints = make_joints(s, setup->discretisation, setup->state);
   return setup;
 }
 

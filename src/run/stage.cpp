@@ -146,14 +146,14 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
              &setup->rigid, s.has_motion() && !s.explicit_steps()),
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
       heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, s.heat, s.has_motion(),
-                                &setup->contacts)),
+                                s.has_motion() ? &setup->contacts : &setup->joints)),
       ts(make_integrator(comm, s)), coupling(ts,
                                              {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr,
                                               state, erosion.on() ? &erosion : nullptr},
                                              s.coupling, solver, stabilises(comm, s, solver)),
       ledger(motion, state, inertia, s.has_motion(),
              {s.history_materials, s.coupling.report_error, coupling.unilateral(),
-              s.coupling.by_central_differences.bulk.acts()}),
+              s.coupling.by_central_differences.bulk.acts(), heat ? &*heat : nullptr}),
       source(motion, state), u(d.displacement.make_global()), v(d.displacement.make_global()),
       a(d.displacement.make_global()) {
   if (s.explicit_steps()) // many short steps, whose time is that of passing through memory

@@ -90,7 +90,16 @@ void add_heat(ContactRows& rows) {
       .refused([](const Contact&, const Scenario& s) { return !s.has_heat() && s.physics.empty(); },
                "no material has a heat capacity; give -material_{material}_c_v, or remove it");
   row.number("conductance_exponent", &Contact::conductance_exponent, "1 m (83')", not_negative,
-             "m of h = h_c (p/p_0)^m, 0.95 of rough metals; 0: h = h_c");
+             "m of h = h_c (p/p_0)^m, 0.95 of rough metals; 0: h = h_c")
+      .barred([](const Contact& c,
+                 const Scenario& s) { return c.conductance_exponent > 0 && s.has_heat() && !s.has_motion(); },
+              ": bodies that stay where they are do not press; remove it, or solve motion too (-physics)");
+  row.number("conductance_gap", &Contact::conductance_gap, "m", or_auto(not_negative),
+             "places that are no further apart count as closed for heat, pressed or not; auto: 1e-6 of the "
+             "mean secondary facet")
+      .idle([](const Contact& c) { return !(c.conductance > 0); }, "<>conductance is 0")
+      .idle([](const Contact& c) { return c.conductance_exponent > 0; },
+            "heat goes with the pressure, by <>conductance_exponent");
   row.number("conductance_pressure", &Contact::conductance_pressure, "Pa p_0 (83')", positive,
              "p_0 of h = h_c (p/p_0)^m, of rough metals the hardness of the softer one")
       .otherwise("required with _conductance_exponent")

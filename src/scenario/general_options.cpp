@@ -51,7 +51,8 @@ OptionGroup general_options() {
     return dim == 3 ? "the mesh has dimension 3, and its own thickness; allowed: plane meshes" : "";
   };
   row.restart = RestartKey::free;
-  row.flag("dry_run", &Scenario::dry_run, "check everything, print the resolved input and the reports, stop");
+  row.flag("dry_run", &Scenario::dry_run,
+           "check everything, print the resolved input and the reports, stop; -help does so too");
   row.flag(
       "options_strict", &Scenario::strict,
       "what is without effect is refused, not only told: options of PETSc's that the solvers of this run do "

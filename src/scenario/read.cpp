@@ -122,12 +122,14 @@ void hand_over_times(const Scenario& scenario) {
       replace_option(name, number_text(value));
 }
 
-void print_help(MPI_Comm comm) {
+/// Whether it is wanted. PETSc's part comes as solvers are made.
+bool print_help(MPI_Comm comm) {
   PetscBool wanted = PETSC_FALSE;
   check(PetscOptionsHasHelp(nullptr, &wanted));
-  if (!wanted) return;
+  if (!wanted) return false;
   std::istringstream lines(option_help());
   for (std::string line; std::getline(lines, line);) check(PetscPrintf(comm, "%s\n", line.c_str()));
+  return true;
 }
 
 } // namespace
@@ -194,7 +196,7 @@ void tell_of_idle_velocities(MPI_Comm comm, const Scenario& s) {
 } // namespace
 
 Scenario read_scenario(MPI_Comm comm) {
-  print_help(comm);
+  const bool help = print_help(comm);
   register_time_types();
   register_bounded_newton();
   register_two_level();
@@ -205,6 +207,7 @@ Scenario read_scenario(MPI_Comm comm) {
   OptionContext context;
   context.comm = comm;
   read_globals(scenario, context);
+  scenario.dry_run = scenario.dry_run || help;
   for_each_class([&](const auto& table) { read_class(table, scenario, context); });
   for (const std::string& note : complete_and_check(scenario))
     check(PetscPrintf(comm, "impact: %s\n", note.c_str()));

@@ -343,8 +343,8 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
   if (settings_.moves) {
     step.u = &pass_.u;
     step.u_n = fields_.motion.step().u_n;
-    step.displacement = u;
   }
+  step.displacement = u;
   if (fields_.damage) {
     step.phi = &fields_.state.row("phi").trial;
     step.phi_n = &fields_.state.row("phi").committed;

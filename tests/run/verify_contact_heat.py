@@ -4,7 +4,7 @@
 # processors: 1
 """Heat across contacts. Two pressed blocks of non-matching meshes conduct the flux of three resistances in a row and
 jump by flux over conductance, uniformly with mortar; well joined they heat up as one body; a rigid wall takes and gives;
-a sliding block turns its work into heat, in the parts of the split, and the first law closes to rounding."""
+what touches without pressure conducts too, whatever presses, and where no motion is solved; a sliding block turns its work into heat, in the parts of the split, and the first law closes to rounding."""
 import numpy
 from _press import press
 from _runs import check, check_between, finish, long, mesh, require, run
@@ -76,6 +76,28 @@ for ranks in (2, 3) if long() else (2,):
     more = run(f"ranks_{ranks}", base, ranks=ranks)
     for column in ("heat_hot", "heat_contact_face", "measure_lowermin_theta"):
         check(f"{ranks} ranks: {column}", more[column][-1], one[column][-1], 1e-9)
+
+# Places that touch and do not press: a pressure of rounding closed some of them, or none.
+TOUCH = {**{k: v for k, v in bars(2, 5, 4)[2].items() if k != "contact_face_method"}, "bc_press_uy": 0, "bc_press_ux": 0, "bc_plate_ux": 0,
+         "mesh_set_angle": 17, "ts_dt": 0.1}
+FLUX = (HOT - COLD) / (2 / K + 1 / H)
+for name, ranks, more in (("mortar", 1, {}), ("gpts", 1, {"contact_face_method": "gpts"}), ("auglag", 1, {"contact_face_enforce": "auglag"}),
+                          ("penalty", 1, {"contact_face_enforce": "penalty"}), ("still", 1, {"physics": "heat"}),
+                          ("still_2", 2, {"physics": "heat", "contact_face_method": "gpts"}),
+                          ("still_quadratic", 1, {"physics": "heat", "order": 2}),
+                          ("still_space", 1, {"physics": "heat", "mesh_set_dim": 3, "mesh_set_angle": 0, "mesh_set_n_lower": 3}),
+                          ("still_apart", 1, {"physics": "heat", "mesh_set_gap": 0.01, "contact_face_conductance_gap": 0.02})):
+    r = run(f"touch_{name}", {**TOUCH, **more}, ranks=ranks)
+    near = 1e-4 if "contact_face_method" in more else 1e-8  # Gauss points do not pass the patch test
+    check(f"touching, {name}: heat of ten steps", r["heat_contact_face"][-1], FLUX, near)
+    check(f"touching, {name}: of each step", numpy.diff(r["heat_contact_face"]).min(), FLUX / 10, near)
+apart = run("touch_not", {**TOUCH, "physics": "heat", "mesh_set_gap": 0.01})
+check("apart: heat", apart["heat_contact_face"][-1], 0, 0, relative=False)
+require("apart: told", "no heat passes" in apart.log and "the smallest gap is 0.01" in apart.log)
+half = run("touch_restart", {**TOUCH, "physics": "heat", "material_lower_c_v": 1, "ts_max_time": 0.5})
+half = run("touch_restart", {**TOUCH, "physics": "heat", "material_lower_c_v": 1, "restart": "auto"}, ranks=2)
+whole = run("touch_whole", {**TOUCH, "physics": "heat", "material_lower_c_v": 1})
+check("still, restarted on two ranks: heat", half["heat_contact_face"][-1], whole["heat_contact_face"][-1], 1e-9)
 
 # Two blocks, well joined and heated from above, against the same heat in one bar of their length (matching meshes).
 _, _, base = bars(2, 8, 8)
@@ -165,6 +187,8 @@ require("hottest at the surface that slides", r["theta_max"][-1] > 298.15 + lost
 # Messages.
 for name, change, text in (
         ("no_capacity", {"material_lower_c_v": None}, "-contact_face_conductance"),
+        ("still_pressure", {"contact_face_conductance_exponent": 1, "contact_face_conductance_pressure": 1, "physics": "heat"},
+         "-contact_face_conductance_exponent: bodies that stay where they are do not press"),
         ("no_pressure", {"contact_face_conductance_exponent": 1}, "-contact_face_conductance_pressure: missing"),
         ("own_temperature", {"contact_face_temperature": 300}, "-contact_face_temperature"),
         ("no_temperature", {"contact_face_primary": "plane"}, "-contact_face_temperature: missing")):

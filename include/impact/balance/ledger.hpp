@@ -2,6 +2,7 @@
 #include <impact/balance/energies.hpp>
 #include <impact/balance/reactions.hpp>
 #include <impact/balance/work.hpp>
+#include <impact/problem/heat.hpp>
 #include <optional>
 #include <string>
 
@@ -17,10 +18,11 @@ namespace impact {
 
 /// Choices beside the columns that every run has.
 struct LedgerChoice {
-  bool materials = false;      ///< energies and dissipations of each material as columns
-  bool coupling_error = false; ///< how far the last pass was from the next one
-  bool unilateral = false;     ///< as StepRecord says of each step
-  bool viscous = false;        ///< something other than a law is viscous
+  bool materials = false;            ///< energies and dissipations of each material as columns
+  bool coupling_error = false;       ///< how far the last pass was from the next one
+  bool unilateral = false;           ///< as StepRecord says of each step
+  bool viscous = false;              ///< something other than a law is viscous
+  const HeatProblem* heat = nullptr; ///< whose contacts are booked
 };
 
 // Members beyond twelve: the books of one sheet, each with its own rows of the table.

@@ -38,8 +38,8 @@ private:
 /// sums, and one of each thermal condition and contact, which a run may leave out or add.
 class HeatBook {
 public:
-  /// Adds the rows. Contacts that pass heat count where bodies move.
-  HeatBook(MotionProblem& motion, StateTable& state, bool moves);
+  /// Adds the rows. `contacts`: ids of those that pass heat.
+  HeatBook(MotionProblem& motion, StateTable& state, std::vector<std::string> contacts);
 
   void start(double entropy) { totals_.trial.back() = entropy; }
   void book(const StepRecord& step, double thickness);

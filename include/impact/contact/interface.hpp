@@ -276,8 +276,8 @@ public:
   /// Whether heat may pass it.
   bool passes_heat() const { return settings_.conductance > 0 || frictional(); }
   /// Where heat passes in the step that ends at u: at the places where the forces stand, through what presses
-  /// now. The sum of the frictional heat over all ranks is the friction_loss of the step over the thickness.
-  /// Before advance.
+  /// or touches now. The sum of the frictional heat over all ranks is the friction_loss of the step over the
+  /// thickness. Before advance.
   std::vector<HeatPath> heat_paths(Vec u) const;
   ContactMeasures measures(Vec u) const;
   /// At the secondary nodes, as weighted means of the constraints. Of `fields`, those of other contacts, a

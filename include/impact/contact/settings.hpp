@@ -45,6 +45,8 @@ struct ContactSettings {
   double conductance = 0;                 ///< h_c, power per current area and temperature; 0: insulated
   double conductance_pressure = 0;        ///< p_0 of h = h_c (p/p_0)^m
   double conductance_exponent = 0;        ///< m; 0: h = h_c wherever the contact is closed
+  double conductance_gap = automatic;     ///< with m = 0: places that are no further apart count as closed;
+                                          ///< automatic: 1e-6 of the mean secondary facet
   double friction_heat_split = automatic; ///< part of the frictional heat that enters the secondary side;
                                           ///< automatic: 1/2, all of it against a rigid body
   std::function<double(double t)> rigid_temperature; ///< of the rigid body; empty: it is insulated

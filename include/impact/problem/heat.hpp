@@ -20,7 +20,7 @@ struct HeatStep {
   const std::vector<double>* phi_n = nullptr;
   /// [point of row "drive"] of the step by plasticity, viscosity and the rate of damage, per volume; or null
   const std::vector<double>* dissipation = nullptr;
-  Vec displacement = nullptr;    ///< u as the contacts read it; with motion
+  Vec displacement = nullptr;    ///< u as the contacts read it
   bool points_keep_heat = false; ///< that the nodal temperature does not show (45b)
 };
 
@@ -29,7 +29,7 @@ class HeatProblem {
 public:
   /// Reads the row "theta" and the trial half of "history" of the table. With HeatForm::energy and motion
   /// adds the row "stress", P of the motion solves at the points. `contacts`: null, or those that heat may
-  /// pass.
+  /// pass; without motion their pairs have been found.
   HeatProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
               const HeatScenario& settings, bool moves, const ContactSet* contacts = nullptr);
 
@@ -55,6 +55,8 @@ public:
     double entropy = 0;                        ///< the same heat node by node over the temperature at t_{n+1}
   };
   const Supply& supplied() const { return supplied_; }
+  /// Ids of the contacts that pass heat.
+  std::vector<std::string> contacts() const;
   /// Drops lagged factors. Collective.
   void forget_factors();
 

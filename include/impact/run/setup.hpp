@@ -14,8 +14,8 @@ struct Setup {
   StateTable state;
   RigidBodies rigid;
   BoundaryData boundary;
-  ContactSet contacts;
-  GmshFile file; ///< of the mesh, of each rank its part
+  ContactSet contacts, joints; ///< with motion; without it, of those that conduct heat
+  GmshFile file;               ///< of the mesh, of each rank its part
 };
 
 /// The one way from a mesh to all that hangs on it, at the start, on a restart and after nodes have moved.

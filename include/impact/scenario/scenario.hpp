@@ -215,8 +215,8 @@ Locking automatic_locking(const MaterialParameters& law, PlaneMode plane);
 
 /// Reads and checks everything (closed key set with suggestions, units, ranges, expressions). Collective.
 /// Throws UserError(usage) with one line for the first fault, UserError(io) for a file that cannot be read.
-/// With -help prints option_help() first. Values of -ts_dt and -ts_max_time with a unit are replaced by plain
-/// numbers in the database, because PETSc's TS reads them too.
+/// With -help prints option_help() first, and the run is a dry one. Values of -ts_dt and -ts_max_time with a
+/// unit are replaced by plain numbers in the database, because PETSc's TS reads them too.
 Scenario read_scenario(MPI_Comm comm);
 
 /// Where checkpoints go when nothing else is said.
