@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 240
-# processors: 2
 """Every command of README.md after the set-up runs and succeeds. Runs of the beam are cut short (the last word on the
 command line wins), checkpoints are written the sooner, pictures drawn at times that the short run has."""
 import os
@@ -8,7 +7,7 @@ import re
 import shlex
 import subprocess
 
-from _runs import SOURCE, finish, require
+from _runs import SOURCE, cores, finish, require
 
 SHORT = "0.004"
 
@@ -38,7 +37,8 @@ count = 0
 with open(os.path.join(SOURCE, "README.md"), encoding="utf-8") as readme:
     for command in commands(readme.read()):
         count += 1
-        done = subprocess.run(shortened(shlex.split(command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        with cores(2 if command.startswith("mpirun") else 1):
+            done = subprocess.run(shortened(shlex.split(command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode:
             print(done.stdout[-2000:])
         require(f"exit status {done.returncode}: {command}", done.returncode == 0)
@@ -54,7 +54,8 @@ for claim, words, env, said in [("as root" if os.geteuid() == 0 else "as a user"
                                 ("more ranks than cores", MORE, {**bare, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}, "not enough slots"),
                                 ("one rank without mpirun", FIRST[3:], bare, ""), ("with the README's line", FIRST, helped, ""),
                                 ("with it, more ranks than cores", MORE, helped, ""), ("not bound", ["mpirun", "--bind-to", "none"] + FIRST[1:], helped, "")]:
-    done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env)
+    with cores(2 if words[0] == "mpirun" else 1):
+        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env)
     require(f"{claim}: exit status {done.returncode}", (done.returncode != 0) == bool(said) and said in done.stdout)
     require(f"{claim}: the README has Open MPI's words", said in text)
 require(f"README.md has commands: {count}", count >= 10)

@@ -17,7 +17,7 @@ from _reliability import (BOTH, command, crashed, family_of, finish_within, kill
                           run_within, start, wait_for, with_mesh)
 from _runs import check, finish, long, require
 
-COUNT = int(os.environ.get("IMPACT_COUNT", 150 if long() else 6))  # of each family
+COUNT = int(os.environ.get("IMPACT_COUNT", 150 if long() else 3))  # of each family
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))
 random.seed(seed)
 print(f"     IMPACT_SEED={seed}")
@@ -59,7 +59,7 @@ require("half a run", run("half", ts_max_steps=HALF) == 0)
 # Signals: what announces an end makes a checkpoint and the end; SIGUSR1 makes a checkpoint.
 ENDING = ("SIGINT", "SIGHUP", "SIGXCPU", "SIGTERM", "SIGUSR2")
 for i in range(COUNT):
-    name = (*ENDING, "SIGUSR1")[i % 6] if i < 6 else random.choice((*ENDING, "SIGUSR1"))
+    name = (*ENDING, "SIGUSR1")[i % 6] if long() and i < 6 else random.choice((*ENDING, "SIGUSR1"))
     ranks, late = random.choice((1, 1, 1, 2)), random.random() * 0.5
     folder, attack = "signal", f"{name} to one of {ranks} after {late:.2f} s"
     shutil.rmtree(folder, ignore_errors=True)

@@ -85,9 +85,8 @@ def iterations(damage, n, ranks=1):
     return steps
 
 
-SHORT = {"at2": (80, 320), "at1": (80,)}
 for damage in ("at2", "at1"):
-    counts = {n: max(iterations(damage, n)) for n in ((40, 80, 160, 320) if runs.long() else SHORT[damage])}
+    counts = {n: max(iterations(damage, n)) for n in ((40, 80, 160, 320) if runs.long() else (80,))}
     print(f"     {damage}: linear iterations of the hardest step by cells across: {counts}")
     # the ends of what the bound holds move by as many more rows, a few in each round of sweeps
     if 320 in counts:

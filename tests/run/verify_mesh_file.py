@@ -116,7 +116,7 @@ REFUSED = [
 for place, (wrong, code, words) in enumerate(REFUSED):
     options = {**PLANE, **wrong}
     command = [PROGRAM, "-output_dir", "refused"] + [word for key, value in options.items() for word in ("-" + key, str(value))]
-    for ranks in (1, 2, 3) if long() else (1 if place % 3 else 2,):
+    for ranks in (1, 2, 3) if long() else (1 if place % 6 else 2,):
         with cores(ranks):
             done = subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + command, capture_output=True, text=True,
                                   env=ENVIRONMENT, timeout=60)

@@ -194,7 +194,7 @@ ROLLS = {"mesh": "disc.geo", "materials": "disc", "material_disc_model": "rigid"
          "bc_weight_on": "disc", "bc_weight_type": "body_force", "bc_weight_ux": 4.905, "bc_weight_uy": -8.49571, "contacts": "floor",
          "contact_floor_secondary": "rim", "contact_floor_primary": "plane", "contact_floor_penalty": 1e8,
          "contact_floor_friction": 0.3, "ts_dt": 1e-3, "ts_max_time": 0.8}
-for name, more, lost in (("by default", {} if long() else {"ts_max_time": 0.3}, 1e-8),
+for name, more, lost in (("by default", {} if long() else {"ts_max_time": 0.2}, 1e-8),
                          ("in damped steps", {"ts_newmark_rho": 0.9, "ts_max_time": 0.4}, 0.02))[: 2 if long() else 1]:
     r = run("rolls", {**ROLLS, **more})
     late = r["time"] > 0.1
