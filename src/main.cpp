@@ -40,7 +40,7 @@ constexpr const char* usage = R"(impact, contact, plasticity and fracture in imp
 
   impact -options_file run.opts [-<option> <value>]...   a run; mpirun -n 2 impact ... on two ranks
   impact -options_file run.opts -dry_run on              checks it, prints its resolved input, and stops
-  impact -options_file run.opts -help                    the same with all options, those of its solvers too
+  impact -options_file run.opts -help                    the same behind a list of all options
   impact -reference                                      all options but PETSc's, with units and defaults
   impact -version
 

@@ -102,7 +102,9 @@ constexpr ColumnNote history[] = {
     {"contact_<contact>_gap_min", "m",
      "least gap of what faces something: open positive, overlap negative (71'); nan: nothing does"},
     {"contact_<contact>_pressure_max", "Pa",
-     "per current area (in a sheet, -plane stress, of its first thickness); pressing is positive"},
+     "per current area (in a sheet, -plane stress, of its first thickness); pressing is positive; nodes of "
+     "linear tetrahedra scatter about what they approach, by 7 % where seven facets, 4 % where fourteen lie "
+     "over the radius of a Hertz contact"},
     {"contact_<contact>_pressure_min", "Pa", "least pressure of what presses; 0 without"},
     {"contact_<contact>_active", "", "constraints (Gauss points, or nodes of the mortar) that press"},
     {"contact_<contact>_length", "extent",
