@@ -214,7 +214,7 @@ void Ledger::book_scale(double dt) {
     sum(scale) = std::max(sum(scale), motion_.discretisation().thickness * body.mass * speed * speed);
   sum(scale) = std::max({sum(scale), std::abs(stored() - sum(kept)), std::abs(sum(external)),
                          std::abs(sum(start_energy) - sum(kept_at_start))});
-  if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
+  if (heat_) sum(scale) = std::max(sum(scale), heat_->exchanged());
 }
 
 double Ledger::stored() const {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/balance/reactions.hpp>
 #include <impact/petsc/ranks.hpp>
 
@@ -92,6 +93,16 @@ HeatBook::HeatBook(MotionProblem& motion, StateTable& state, std::vector<std::st
                                               : nullptr);
   for (const std::string& id : contacts_)
     conducted_.push_back(&state.add({"contact_" + id + "_heat", Support::global, 1}, 1));
+}
+
+double HeatBook::exchanged() const {
+  double sum = 0, from_contacts = supplied();
+  for (const StateRow* row : conditions_) {
+    if (row == nullptr) continue;
+    sum += std::abs(row->trial[0]);
+    from_contacts -= row->trial[0];
+  }
+  return sum + std::abs(from_contacts);
 }
 
 void HeatBook::book(const StepRecord& step, double thickness) {

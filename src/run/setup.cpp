@@ -222,7 +222,10 @@ ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable&
 // Contacts of bodies that stay where they are, and pass heat.
 ContactSet make_joints(Scenario s, const Discretisation& d, StateTable& state) {
   std::erase_if(s.contacts, [](const ContactScenario& c) { return !(c.conductance > 0); });
-  for (ContactScenario& contact : s.contacts) contact.friction = 0;
+  for (ContactScenario& contact : s.contacts) { // nothing presses, and no modulus need be known
+    contact.friction = 0;
+    contact.penalty = contact.penalty_increment = contact.penalty_max = 1;
+  }
   ContactSet joints = make_contacts(s, d, state);
   const Handle<Vec> u = d.displacement.make_global();
   for (ContactInterface& contact : joints) {
