@@ -254,7 +254,7 @@ void Obstacle::chain_block(int facet, std::span<const double> block, std::vector
   std::vector<double> rows(m * n); // columns chained
   for (std::size_t i = 0; i < m; ++i) {
     std::copy_n(&block[m * i], half, &rows[n * i]);
-    chain(facet, &block[m * i + half], &rows[n * i + half]);
+    chain(facet, &block[m * i + half], rows.data() + n * i + half); // of no corners where none carries it
   }
   chained.assign(n * n, 0.0);
   std::copy_n(rows.begin(), half * n, chained.begin());

@@ -100,7 +100,7 @@ void Coupling::start(Vec u, Vec v, Vec a) {
       MotionProblem::Increments unused;
       Handle<Vec> internal; // bulk viscosity acts from the start on
       if (explicit_) internal = layout.make_global();
-      motion.advance(u, unused, {nullptr, rows.stress}, internal);
+      motion.advance(u, unused, {nullptr, rows.stress}, explicit_ ? internal.get() : nullptr);
       state.row("stress").committed = *rows.stress;
       state.rollback();
     }

@@ -108,9 +108,9 @@ def finish_within(process, seconds):
 
 
 def run_within(seconds, folder, options, ranks=1, *others, **more):
-    """start and finish_within, with cores of its own (_runs.cores)."""
+    """start and finish_within, with cores of its own (_runs.cores); programs with sanitizers have several times as long."""
     with cores(ranks):
-        return finish_within(start(folder, options, ranks, *others, **more), seconds)
+        return finish_within(start(folder, options, ranks, *others, **more), seconds * float(os.environ.get("IMPACT_PATIENCE", 1)))
 
 
 def log_of(folder):

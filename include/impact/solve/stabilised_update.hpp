@@ -41,10 +41,11 @@ public:
   Vec contact_at_end() const { return step_.at_end; }
   /// Likewise of the unilateral stress; null where it does not act apart.
   Vec closing_at_end() const { return unilateral_ ? step_.closing.get() : nullptr; }
-  /// P.
-  Vec over_step() const { return step_.over_step; }
-  /// What supports feel of neither, because it is of this step alone: P - 2 beta M a_c, or at_end - F.
-  Vec hidden() const { return step_.hidden; }
+  /// P; null where nothing acts over a step as a whole.
+  Vec over_step() const { return step_.over_step ? step_.over_step.get() : nullptr; }
+  /// What supports feel of neither, because it is of this step alone: P - 2 beta M a_c, or at_end - F; null
+  /// as P.
+  Vec hidden() const { return step_.hidden ? step_.hidden.get() : nullptr; }
   /// A run begins at the acceleration by all forces, among them minus this of the unilateral stress.
   void carry(Vec unilateral);
   /// Impulse over dt that the projection put on the bodies; zero elsewhere.
