@@ -354,6 +354,8 @@ PetscErrorCode reset(SNES snes) {
 }
 
 PetscErrorCode destroy(SNES snes) {
+  for (Vec* bound : {&snes->xl, &snes->xu}) // which PETSc's own methods with bounds release
+    if (const PetscErrorCode code = VecDestroy(bound)) return code;
   delete static_cast<Model*>(snes->data);
   snes->data = nullptr;
   return 0;
