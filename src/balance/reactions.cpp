@@ -96,13 +96,11 @@ HeatBook::HeatBook(MotionProblem& motion, StateTable& state, std::vector<std::st
 }
 
 double HeatBook::exchanged() const {
-  double sum = 0, from_contacts = supplied();
-  for (const StateRow* row : conditions_) {
-    if (row == nullptr) continue;
-    sum += std::abs(row->trial[0]);
-    from_contacts -= row->trial[0];
-  }
-  return sum + std::abs(from_contacts);
+  double sum = 0;
+  for (const std::vector<StateRow*>* rows : {&conditions_, &conducted_})
+    for (const StateRow* row : *rows)
+      if (row != nullptr) sum += std::abs(row->trial[0]);
+  return std::max(sum, std::abs(supplied()));
 }
 
 void HeatBook::book(const StepRecord& step, double thickness) {

@@ -95,6 +95,15 @@ for name, ranks, more in (("mortar", 1, {}), ("gpts", 1, {"contact_face_method":
     if "physics" in more:
         check(f"touching, {name}: first law over what flows through", abs(r["balance_first_law"]).max(), 0, 1e-9, relative=False)
     check(f"touching, {name}: of each step", numpy.diff(r["heat_contact_face"]).min(), FLUX / 10, near)
+# From one rigid wall to another one, without a condition.
+walls = run("touch_walls", {
+    "physics": "heat", "mesh": mesh("block.geo"), "mesh_set_n": 3, "materials": "solid", "material_solid_c_v": 1e-9, "material_solid_theta0": COLD,
+    "material_solid_conductivity": K, "contacts": "cold,hot", "contact_cold_secondary": "bottom", "contact_hot_secondary": "top",
+    **{f"contact_{c}_{k}": v for c, point, theta in (("cold", "0,0", COLD), ("hot", "0,1", HOT)) for k, v in {
+        "primary": "plane", "plane_point": point, "plane_normal": "0,1" if c == "cold" else "0,-1", "conductance": H, "temperature": theta}.items()},
+    "ts_type": "static", "ts_dt": 1, "ts_max_time": 3, "heat_snes_rtol": 1e-13, "heat_ksp_rtol": 1e-12})
+check("between two walls: heat of three steps", walls["heat_contact_hot"][-1], 3 * (HOT - COLD) / (1 / K + 2 / H), 1e-8)
+check("between two walls: first law over what flows through", abs(walls["balance_first_law"]).max(), 0, 1e-9, relative=False)
 apart = run("touch_not", {**TOUCH, "physics": "heat", "mesh_set_gap": 0.01})
 check("apart: heat", apart["heat_contact_face"][-1], 0, 0, relative=False)
 require("apart: told", "no heat passes" in apart.log and "the smallest gap is 0.01" in apart.log)

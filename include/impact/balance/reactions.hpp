@@ -46,7 +46,8 @@ public:
 
   /// By conditions, and by contacts from what is no body.
   double supplied() const { return totals_.trial[0]; }
-  /// The same without regard to signs: what flows through a body in steady conduction is in no sum.
+  /// By all conditions and contacts, without regard to signs: what flows through a body in steady conduction
+  /// is in no sum.
   double exchanged() const;
   double supplied_by(std::size_t thermal_condition) const { return conditions_[thermal_condition]->trial[0]; }
   /// Ids of the contacts that pass heat, and what was conducted into the secondary side of each.
