@@ -130,7 +130,8 @@ private:
     if (asked == Asked::pc || asked == Asked::ksp || SNESSetFromOptions(snes) != 0 || asked == Asked::snes)
       return;
     const Handle<Vec> x = vector();
-    KSPSolve(ksp, x, x);
+    KSPSolve(ksp, x, vector()); // not in place, which PETSc leaves a vector of
+    check(KSPReset(ksp));       // the next solve sets up anew and would leave the vectors of this one
     if (SNESSetFunction(snes, x, identity, nullptr) == 0 &&
         SNESSetJacobian(snes, matrix_, matrix_, constant, nullptr) == 0)
       SNESSolve(snes, nullptr, vector());
