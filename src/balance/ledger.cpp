@@ -29,6 +29,9 @@ Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool move
       losses_(add_numbers(state, "ledger_materials",
                           motion.discretisation().materials.size() * static_cast<std::size_t>(losses))),
       erosion_(motion.discretisation().erodes() ? &state.row("erosion_totals") : nullptr),
+      foundations_(motion.foundations().empty()
+                       ? nullptr
+                       : &add_numbers(state, "bc_foundations", static_cast<int>(FoundationSum::count))),
       forces_(motion, state, inertia), reactions_(motion, state) {
   energies_.of.resize(motion_.discretisation().materials.size());
   if (motion_.discretisation().has_heat())
@@ -49,9 +52,11 @@ void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a,
   sum(scale) = std::abs(sum(start_energy));
   sum(kept) = motion_.discretisation().thickness * (forces_.start(integrator, dt, u, a) + kept_by_bodies);
   sum(kept_at_start) = sum(kept);
+  if (foundations_)
+    foundations_->trial[FoundationSum::store] = motion_.discretisation().thickness * forces_.sprung();
   sum(start_energy) = stored();
   sum(kinetic) = energies_.total.kinetic;
-  reactions_.find(forces_.reactions(), u);
+  reactions_.find(forces_.reactions(), u, v);
 }
 
 void Ledger::resume(Vec u, Vec v) {
@@ -69,7 +74,7 @@ void Ledger::resume_with(const Integrator& integrator, double dt, Vec u, Vec v, 
   sum(kept) = kept_now;
   // What the scheme before missed, as gaps that a static step closed, is not this one's.
   sum(start_energy) += balance_first_law() * energy_scale();
-  reactions_.find(forces_.reactions(), u);
+  reactions_.find(forces_.reactions(), u, v);
 }
 
 void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
@@ -94,7 +99,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   // Without inertia the arms of a rigid body's forces belong to the end of the step, and their work to no
   // one.
   const double of_arms = inertia_ ? 0 : w * work.rigid + w * work.inertia;
-  sum(external) += work_external;
+  sum(external) += work_external + book_foundations(work);
   book_contact(work, work_contact, step, u, watched);
   const double loss = w * work.integrator.loss, keeps = w * work.integrator.kept;
   sum(numerical) += loss - (keeps - sum(kept));
@@ -111,7 +116,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   if (heat_) heat_->book(step, w);
   if (!watched) return;
   book_scale(step.dt);
-  reactions_.find(forces_.reactions(), u);
+  reactions_.find(forces_.reactions(), u, v);
 }
 
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
@@ -146,6 +151,15 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
   sum(start_energy) -= sprung;
   if (!inertia_) sum(gap_work) += taken - sprung;
   sum(contact_store) = store;
+}
+
+// Returns what springs stored and dashpots lost, which the bodies did not get from them.
+double Ledger::book_foundations(const StepWork& work) {
+  if (!foundations_) return 0;
+  const double w = motion_.discretisation().thickness, lost = -w * work.damping,
+               before = std::exchange(foundations_->trial[FoundationSum::store], w * work.sprung);
+  foundations_->trial[FoundationSum::loss] += lost;
+  return lost + w * work.sprung - before;
 }
 
 void Ledger::book_points(const StepRecord& step, const DamageLosses& by_damage, double work_unilateral) {
@@ -220,7 +234,11 @@ void Ledger::book_scale(double dt) {
 double Ledger::stored() const {
   const MaterialEnergies& total = energies_.total;
   return total.kinetic + total.elastic + total.plastic + total.fracture + total.fatigue + total.thermal +
-         sum(contact_store) + sum(kept);
+         sum(contact_store) + sum(kept) + of_foundations(FoundationSum::store);
+}
+
+double Ledger::of_foundations(int which) const {
+  return foundations_ == nullptr ? 0 : foundations_->trial[static_cast<std::size_t>(which)];
 }
 
 double Ledger::eroded(int which) const {
@@ -261,7 +279,8 @@ void Ledger::book_shed_mass(const Inertia& before, const Inertia& after, const s
 }
 
 double Ledger::dissipated() const {
-  const double lost = sum(numerical) + sum(contact_loss) + eroded(ErosionTotals::energy);
+  const double lost = sum(numerical) + sum(contact_loss) + eroded(ErosionTotals::energy) +
+                      of_foundations(FoundationSum::loss);
   // The rest is thermal energy; of closing cracks where the heat balance takes the work of the stress.
   if (heat_) return state_.find("stress") ? lost : lost + sum(closing);
   return lost + sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +

@@ -18,7 +18,7 @@ Reactions::Reactions(MotionProblem& motion, const StateTable& state)
   }
 }
 
-void Reactions::find(const std::vector<double>& force, Vec u) {
+void Reactions::find(const std::vector<double>& force, Vec u, Vec v) {
   const Discretisation& d = motion_.discretisation();
   const auto dim = at(d.dim());
   const std::vector<double> moved = d.local_of(u);
@@ -36,6 +36,12 @@ void Reactions::find(const std::vector<double>& force, Vec u) {
   for (const FixedDof& fixed : motion_.boundary().fixed())
     if (d.mesh.owned(fixed.dof / d.dim()))
       sums[numbers * at(fixed.condition) + at(fixed.component)] += d.thickness * force[at(fixed.dof)];
+  if (const Foundations& foundations = motion_.foundations(); !foundations.empty()) {
+    std::vector<Vector3> pushes(of_.size(), Vector3{});
+    foundations.add_resultants(moved, foundations.damps() ? d.local_of(v) : std::vector<double>(), pushes);
+    for (std::size_t c = 0; c < of_.size(); ++c)
+      for (std::size_t k = 0; k < dim; ++k) sums[numbers * c + k] += d.thickness * pushes[c][k];
+  }
   const RigidBodies& rigid = motion_.rigid();
   int rank = 0;
   MPI_Comm_rank(d.mesh.comm(), &rank);
@@ -73,7 +79,8 @@ void Reactions::append(HistoryFile::Row& row, const std::function<double(std::si
       continue;
     }
     for (std::size_t k = 0; k < dim; ++k)
-      if (prescribes_motion(type)) row.emplace_back("reaction_" + id + "_" + axis[k], of_[c].force[k]);
+      if (prescribes_motion(type) || gives_way(type))
+        row.emplace_back("reaction_" + id + "_" + axis[k], of_[c].force[k]);
     for (std::size_t k = 0; k < 3; ++k)
       if (turns(static_cast<int>(c), k)) row.emplace_back("moment_" + id + "_" + axis[k], of_[c].moment[k]);
     for (std::size_t k = 0; k < dim; ++k) row.emplace_back("mean_" + id + "_u" + axis[k], of_[c].mean[k]);

@@ -6,6 +6,7 @@ namespace impact {
 void Ledger::append(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
   const bool contact = !motion_.contacts().empty(), heat = d.has_heat();
+  const bool damped = motion_.foundations().damps();
   const MaterialEnergies& total = energies_.total;
   struct Column {
     const char* name;
@@ -25,9 +26,11 @@ void Ledger::append(HistoryFile::Row& row) const {
       {"dissipated_friction", motion_.contacts().demands().frictional, sum(friction)},
       {"dissipated_fatigue", d.has_fatigue(), sum(fatigue_loss)},
       {"energy_contact", contact, sum(contact_store)},
+      {"energy_foundation", foundations_ != nullptr, of_foundations(FoundationSum::store)},
       {"dissipated_contact", contact && inertia_, sum(contact_loss)},
       {"dissipated_closing", choice_.unilateral, sum(closing)},
       {"dissipated_erosion", d.erodes(), eroded(ErosionTotals::energy)},
+      {"dissipated_foundation", damped, of_foundations(FoundationSum::loss)},
       {"energy_numerical", inertia_, sum(kept)},
       {"dissipated_numerical", moves_, sum(numerical)},
       {"exchange_numerical", inertia_, sum(exchange)},
@@ -114,6 +117,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           stored("stored: fatigue", d.has_fatigue(), &MaterialEnergies::fatigue),
           stored("stored: thermal", heat_.has_value(), &MaterialEnergies::thermal),
           {"stored: contact", contact, sum(contact_store)},
+          {"stored: foundations", foundations_ != nullptr, of_foundations(FoundationSum::store)},
           {"stored: integrator", inertia_, sum(kept)},
           lost("dissipated: viscous", loses_by_viscosity(), viscous, viscous_loss),
           lost("dissipated: damage", d.has_damage(), damage, damage_loss),
@@ -123,6 +127,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           {"dissipated: contact", contact && inertia_, sum(contact_loss)},
           {"dissipated: closing cracks" + (state_.find("stress") ? became : ""), choice_.unilateral,
            sum(closing)},
+          {"dissipated: foundations", motion_.foundations().damps(), of_foundations(FoundationSum::loss)},
           {"left with eroded cells", d.erodes(), eroded(ErosionTotals::energy)},
           {"dissipated: integrator", moves_, sum(numerical)},
           {"work of unbalanced forces", moves_, sum(unbalanced)},

@@ -37,6 +37,9 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       a_before_(add_force(state, motion.discretisation(), "a_before")),
       closing_(state.find("closing_carried") ? &add_force(state, motion.discretisation(), "force_closing")
                                              : nullptr),
+      damping_(motion.foundations().damps()
+                   ? &add_force(state, motion.discretisation(), "bc_foundations_damping")
+                   : nullptr),
       a_new_(internal_.trial.size()) {}
 
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
@@ -71,6 +74,8 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a, b
   }
   d.displacement.to_local(parts.internal, internal_.trial);
   d.displacement.to_local(parts.external, external_.trial);
+  if (damping_) d.displacement.to_local(parts.damping, damping_->trial);
+  sprung_ = sum_over_ranks(d.mesh.comm(), parts.sprung);
   for (StateRow* row : {&inertia_force_, &left_}) std::ranges::fill(row->trial, 0);
   d.displacement.to_local(a, a_before_.trial);
   double kept = 0;
@@ -274,10 +279,11 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   layout.owned_to_local(step.forces->external, external_.trial);
   layout.owned_to_local(step.forces->contact, contact_.trial);
   layout.owned_to_local(a, a_new_);
+  if (damping_) layout.owned_to_local(step.forces->damping, damping_->trial);
   if (mass_.empty()) mass_ = d.local_of(motion_.lumped_mass());
   const std::vector<double>& u = motion_.last_displacement();
   reactions_.resize(u.size());
-  double sums[6] = {0, 0, 0, 0, 0, 0};
+  double sums[8] = {0, 0, 0, 0, 0, 0, 0, step.forces->sprung};
   const std::vector<char>& fixed = motion_.boundary().fixed_mask();
   const auto dim = at(d.dim());
   for (int node = 0; node < d.mesh.node_count(); ++node) {
@@ -290,6 +296,7 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
       if (fixed[i]) external_.trial[i] += reactions_[i];
       sums[1] += du * (external_.committed[i] + external_.trial[i]);
       sums[2] += du * (contact_.committed[i] + contact_.trial[i]);
+      if (damping_) sums[6] += du * (damping_->committed[i] + damping_->trial[i]);
       if (rigid) continue;
       sums[0] += du * (internal_.committed[i] + internal_.trial[i]);
       sums[3] += a_new_[i] * inertia_force_.trial[i];
@@ -306,6 +313,8 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   work.external = sums[1] / 2;
   work.contact = sums[2] / 2;
   work.jumps = sums[5];
+  work.damping = sums[6] / 2;
+  work.sprung = sums[7];
   work.rigid = step.bodies.supports;
   work.integrator.loss = factor * (sums[3] - sums[4]) + step.bodies.loss;
   work.integrator.kept = factor * sums[3] + step.bodies.kept;
@@ -347,6 +356,11 @@ StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double kep
     work.integrator.exchange += more;
   }
   work.left = mean_work(du, left_);
+  if (damping_) {
+    d.displacement.to_local(step.forces->damping, damping_->trial);
+    work.damping = mean_work(du, *damping_);
+  }
+  if (!motion_.foundations().empty()) work.sprung = sum_over_ranks(d.mesh.comm(), step.forces->sprung);
   if (!inertia_) work.inertia = mean_work(du, inertia_force_);
   return work;
 }

@@ -144,7 +144,7 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
       throw UserError(ExitCode::data,
                       "-bc_" + bc.id + "_type symmetry: group \"" + group.name +
                           "\" is not one plane normal to a coordinate axis; two such planes are held by a "
-                          "condition each, and a body is turned until an inclined one is normal to an axis");
+                          "condition each, and an inclined one by type foundation with a large stiffness");
     for (int node : nodes) {
       if (!body_of_node.empty() && body_of_node[at(node)] >= 0) continue;
       for (int k = 0; k < dim_; ++k) {
@@ -164,7 +164,8 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
 void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
   const auto loads = [](BcType type) {
     return type == BcType::body_force || type == BcType::traction || type == BcType::pressure ||
-           type == BcType::force || type == BcType::heat_flux || type == BcType::convection;
+           type == BcType::force || type == BcType::heat_flux || type == BcType::convection ||
+           gives_way(type);
   };
   std::map<int, std::set<PetscInt>> loaded; // [condition] facets
   visit_groups(mesh, loads, [&](int c, const BoundaryCondition& bc, const Group& group) {
@@ -194,7 +195,8 @@ void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
                                           "\": a load acts on a boundary (" + std::to_string(dim_ - 1) +
                                           "D), this group is " + std::to_string(group.dim) +
                                           "D; mesh has: " + groups_text(mesh.groups()));
-    if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", group.name);
+    if (bc.type == BcType::pressure || gives_way(bc.type))
+      mesh.require_outside("-bc_" + bc.id + "_on", group.name);
     // What lies in several groups of a condition is loaded once.
     std::set<PetscInt>& before = loaded[c];
     const FacetTable all = mesh.facets(group.name);
@@ -203,6 +205,7 @@ void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
     force_area_[at(c)] += area_of(load.facets, dim_ == 3 ? Frame::solid : plane.frame, x_);
     (is_thermal(bc.type)           ? heat_fluxes_
      : bc.type == BcType::pressure ? pressures_
+     : gives_way(bc.type)          ? foundations_
                                    : tractions_)
         .push_back(std::move(load));
   });
@@ -333,7 +336,7 @@ double BoundaryData::heat_coefficient(int condition, const double* x, double t) 
 
 bool BoundaryData::has_data() const {
   return std::any_of(conditions_.begin(), conditions_.end(), [](const BoundaryCondition& bc) {
-    return bc.type != BcType::fix && bc.type != BcType::symmetry;
+    return bc.type != BcType::fix && bc.type != BcType::symmetry && !gives_way(bc.type);
   });
 }
 

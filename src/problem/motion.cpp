@@ -22,7 +22,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       tally_(d_.mesh.comm()), history_(state.row("history")), drive_(state.row("drive")),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
-      body_load_(d_, boundary_), soft_volume_(d_), balance_(d_),
+      body_load_(d_, boundary_), foundations_(d_, boundary_), soft_volume_(d_), balance_(d_),
       cells_diagonal_(d_.displacement.make_global()), diagonal_(d_.displacement.make_global()) {
   if (!rigid_->empty() && operator_ == ContactOperator::shell)
     throw UserError(ExitCode::usage, "-contact_operator shell: not with a rigid body (-material_" +
@@ -191,6 +191,13 @@ void MotionProblem::add_pressures(const std::vector<double>& u, double sign, std
         [&](const double* x) { return sign * boundary_.scalar_value(load.condition, x, step_.t); }, r);
 }
 
+void MotionProblem::add_dashpots(const std::vector<double>& u, double sign, std::vector<double>& r) {
+  if (!foundations_.damps() || step_.velocity_offset == nullptr) return;
+  v_ = *step_.velocity_offset;
+  for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += step_.velocity_slope * u[i];
+  foundations_.add_dashpots(v_, sign, r);
+}
+
 bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   const Timed timed(Event::motion_residual);
   d_.displacement.to_local(u, u_);
@@ -202,6 +209,8 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -dead_load_[i];
   const bool sound = add_cells(u_, accel, step_.unilateral_scale, r_);
   add_pressures(u_, -1, r_);
+  foundations_.add_springs(u_, -1, r_);
+  add_dashpots(u_, -1, r_);
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
   contacts_.add_forces(u, step_.contact.scale, f);
@@ -240,6 +249,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
     check(VecAXPY(parts.unilateral, -1, parts.internal));
   }
   loads(u, parts.external);
+  add_foundations(parts);
   if (!parts.contact) parts.contact = d_.displacement.make_global();
   check(VecSet(parts.contact, 0));
   contacts_.add_forces(u, -1, parts.contact);
@@ -258,6 +268,19 @@ void MotionProblem::loads(Vec u, Handle<Vec>& external) {
   r_ = dead_load_;
   add_pressures(u_, 1, r_);
   put(r_, external);
+}
+
+void MotionProblem::add_foundations(ForceParts& parts) {
+  if (foundations_.empty()) return;
+  std::fill(r_.begin(), r_.end(), 0.0);
+  parts.sprung = foundations_.add_springs(u_, 1, r_);
+  d_.displacement.add_to_global(r_, parts.external);
+  if (!foundations_.damps()) return;
+  std::fill(r_.begin(), r_.end(), 0.0);
+  add_dashpots(u_, 1, r_);
+  if (!parts.damping) parts.damping = d_.displacement.make_global();
+  put(r_, parts.damping);
+  check(VecAXPY(parts.external, 1, parts.damping));
 }
 
 std::string MotionProblem::broken_text() const {

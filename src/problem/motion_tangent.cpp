@@ -7,7 +7,8 @@
 #include <impact/problem/motion.hpp>
 #include <impact/problem/surface_load.hpp>
 
-/// Tangent of the balance of momentum (106): cells, follower pressures, contact and rigid bodies.
+/// Tangent of the balance of momentum (106): cells, follower pressures, foundations, contact and rigid
+/// bodies.
 namespace impact {
 
 void MotionProblem::rebuild_matrix() {
@@ -127,12 +128,15 @@ Handle<IS> MotionProblem::stiffened_rows() const {
 }
 
 // The cells' part, whose diagonal sums up to `diagonal` on this rank, is added.
-void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double mass_shift) {
+void MotionProblem::close_tangent(Vec u, bool loads, double diagonal, double mass_shift) {
   assembly_->finish();
   check(MatGetDiagonal(matrix(), cells_diagonal_));
-  if (!contacts_.empty() || !boundary_.pressures().empty() || !rigid_->empty()) {
+  if (!contacts_.empty() || !boundary_.pressures().empty() || !foundations_.empty() || !rigid_->empty()) {
     rigid_->add_tangent(u, mass_shift, matrix());
-    if (pressures) add_pressure_tangent(u_);
+    if (loads) {
+      add_pressure_tangent(u_);
+      foundations_.add_tangent(step_.velocity_slope, rows_.none, matrix());
+    }
     if (shell_)
       check(VecCopy(u, linearised_at_));
     else

@@ -3,6 +3,7 @@
 #include <impact/input/spelling.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <impact/problem/foundations.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <petscblaslapack.h>
 #include <stdexcept>
@@ -157,8 +158,8 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
   return g;
 }
 
-// [body][mode][mode]: sum over the prescribed dofs of the modes' products there. Its null space are the rigid
-// motions that no prescribed dof feels.
+// [body][mode][mode]: sum over the prescribed dofs and the places on foundations of the modes' products
+// there. Its null space are the rigid motions that no prescribed dof feels.
 std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& boundary, const Bodies& bodies,
                                   const Geometry& geometry, const RigidBodies& rigid) {
   const int modes = mode_count(d.frame), dim = d.dim();
@@ -179,6 +180,16 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
     rigid_modes(d.frame, x, fixed.component, mode);
     add(b, mode);
   }
+  Foundations(d, boundary).visit_held([&](int node, const double* place, const double* direction) {
+    const auto b = at(bodies.of_node[at(node)]);
+    double x[3] = {0, 0, 0}, mode[6], along[6] = {};
+    for (int k = 0; k < dim; ++k) x[k] = (place[k] - geometry.centre[b][at(k)]) / geometry.size[b];
+    for (int k = 0; k < dim; ++k) {
+      rigid_modes(d.frame, x, k, mode);
+      for (int i = 0; i < modes; ++i) along[i] += direction[k] * mode[i];
+    }
+    add(b, along);
+  });
   sum_over_ranks(d.mesh.comm(), gram);
   // What is prescribed of a rigid body belongs to its centre of mass.
   for (const RigidBody& body : rigid.bodies()) {

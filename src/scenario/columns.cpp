@@ -44,6 +44,7 @@ constexpr ColumnNote history[] = {
      "of the fatigue variable (F1), or what the toughness has lost of energy_fracture (F2); not positive"},
     {"energy_thermal", "J", "c_V (theta - theta0) + theta s, 0 at theta0 without strain (section 12)"},
     {"energy_contact", "J", "potential of what penetrates, 0 without a penalty that gives"},
+    {"energy_foundation", "J", "of the springs of foundations (3'')"},
     {"energy_numerical", "J", "what the integrator holds, of any sign (N2)"},
     {"energy_<kind>_<material>", "J",
      "kinetic, elastic, plastic, fracture, fatigue or thermal energy of one material"},
@@ -57,6 +58,7 @@ constexpr ColumnNote history[] = {
     {"dissipated_erosion", "J",
      "energy that cells which left had stored, less what stays with their nodes; with erosion_mass remove "
      "their kinetic energy, too (7)"},
+    {"dissipated_foundation", "J", "by dashpots of foundations and in waves that left (3'')"},
     {"dissipated_closing", "J", "where cracks close, signed (section 7)"},
     {"dissipated_numerical", "J", "by the integrator, signed (N1), (N2)"},
     {"dissipated_<kind>_<material>", "J", "viscous, damage, plastic or fatigue loss in one material"},

@@ -30,6 +30,8 @@ const ConditionKind kinds[] = {
     {"pressure", BcType::pressure, "Pa", By::value, On::facets},
     {"force", BcType::force, "N"},
     {"body_force", BcType::body_force, "m/s^2", By::components, On::cells},
+    {"foundation", BcType::foundation, "1", By::nothing, On::facets},
+    {"absorbing", BcType::absorbing, "1", By::nothing, On::facets},
     {"damage", BcType::damage, "1", By::value, On::any, fraction},
     {"temperature", BcType::temperature, "K", By::value, On::any, positive},
     {"heat_flux", BcType::heat_flux, "W/m^2", By::value, On::facets},
@@ -51,6 +53,38 @@ bool has_components(const Bc& bc) {
 
 const std::string meaningless = "has no meaning for this type; ",
                   scalars = "types pressure, damage, temperature, heat_flux, convection and heat_source";
+
+/// The rows of springs and dashpots.
+void add_foundation(Rows<Bc>& row) {
+  const auto add = [&](const std::string& name, auto place, const std::string& quantity,
+                       const std::string& about) -> auto& {
+    return row.expression(name, place, quantity, not_negative, about + "; an expression of x, y, z")
+        .refused([](const Bc& bc) { return bc.type != BcType::foundation; },
+                 "has no meaning for this type; allowed with type foundation")
+        .refused([=](const Bc& bc) { return place(bc) && place(bc)->asks_for_time(); },
+                 "does not change with t; allowed: an expression of x, y, z");
+  };
+  add(
+      "stiffness", [](auto& bc) -> auto& { return bc.stiffness[0]; }, "Pa/m k_n (3')",
+      "springs of a foundation against displacement along the normal of the undeformed surface: traction "
+      "over "
+      "displacement")
+      .needed(
+          [](const Bc& bc) {
+            return bc.type == BcType::foundation && !bc.stiffness[0] && !bc.stiffness[1] && !bc.damping[0] &&
+                   !bc.damping[1];
+          },
+          "allowed: at least one of <>stiffness, <>stiffness_tangential, <>damping, <>damping_tangential");
+  add(
+      "stiffness_tangential", [](auto& bc) -> auto& { return bc.stiffness[1]; }, "Pa/m k_t (3')",
+      "the same across the normal");
+  add(
+      "damping", [](auto& bc) -> auto& { return bc.damping[0]; }, "Pa.s/m c_n (3')",
+      "dashpots of a foundation against velocity along the normal: traction over velocity");
+  add(
+      "damping_tangential", [](auto& bc) -> auto& { return bc.damping[1]; }, "Pa.s/m c_t (3')",
+      "the same across the normal");
+}
 
 /// Adds what the type of a condition demands of its other rows.
 void add_demands(std::vector<OptionRow<Bc>>& rows) {
@@ -76,7 +110,20 @@ void add_demands(std::vector<OptionRow<Bc>>& rows) {
                 return s.solves("damage") && !s.has_damage() && bc.type == BcType::damage;
               },
               ": acts on the damage, and no material has any; give -material_{material}_damage, or "
-              "remove it");
+              "remove it")
+          .barred(
+              [](const Bc& bc, const Scenario& s) {
+                return bc.type == BcType::absorbing && s.has_motion() && !s.has_inertia();
+              },
+              ": waves need inertia; allowed with -ts_type newmark and central_difference, or type "
+              "foundation")
+          .barred(
+              [](const Bc& bc, const Scenario& s) {
+                return (bc.damping[0] || bc.damping[1]) &&
+                       (s.coupling.path_length > 0 || s.coupling.path_dissipation > 0);
+              },
+              ": dashpots feel a velocity, which steps along a path do not have; leave <>damping and "
+              "<>damping_tangential out");
   }
 }
 
@@ -100,7 +147,8 @@ OptionClass<BoundaryCondition> boundary_class() {
       "it, spread over the reference area, the length of lines or "
       "evenly over points; body_force is per mass; heat_flux is inwards, per reference area, "
       "heat_source per reference volume; convection is a flux h (value - theta); symmetry holds one plane "
-      "normal to an axis",
+      "normal to an axis; foundation is springs and dashpots, which hold an inclined plane of symmetry, too; "
+      "absorbing lets waves of the material beneath leave, those along the normal without an echo (3')",
       types);
   row.components("u", &Bc::component, by_type,
                  "component of what the type prescribes, of a displacement, velocity, force, traction, ..; "
@@ -126,6 +174,7 @@ OptionClass<BoundaryCondition> boundary_class() {
               "allowed: an expression; type convection needs it")
       .refused([](const Bc& bc) { return bc.type != BcType::convection; },
                meaningless + "allowed with type convection");
+  add_foundation(row);
   add_demands(table.rows);
   return table;
 }

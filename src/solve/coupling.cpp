@@ -85,6 +85,8 @@ void Coupling::begin_between_steps(double t, Vec u, Vec v) {
   step.t = t;
   step.dt = h;
   step.u_n = &u_before_;
+  velocity_offset_ = rate;
+  step.velocity_offset = &velocity_offset_;
   if (fields_.damage) step.phi = &fields_.state.row("phi").committed;
   if (fields_.heat) step.theta = &fields_.state.row("theta").committed;
   if (warming_) step.warming = &warming_->committed;
@@ -164,6 +166,11 @@ void Coupling::before_attempt(const Attempt& attempt) {
   step.u_n = &state.row("u").committed;
   step.stabilised = update_.stabilised();
   step.mass_shift = integrator_of(ts_).mass_shift(attempt.dt);
+  if (fields_.motion.foundations().damps() && !explicit_) {
+    step.velocity_slope = integrator_of(ts_).velocity(
+        attempt.dt, {*step.u_n, state.row("v").committed, state.row("a").committed}, velocity_offset_);
+    step.velocity_offset = &velocity_offset_;
+  }
   fields_.motion.begin(step);
   fields_.motion.balance().forget();
 }

@@ -54,6 +54,11 @@ void ExplicitStep::start(Vec u, Vec v) {
   contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl,
                           speed);
   contacts_.report_multipliers(u);
+  weigh_foundations();
+}
+
+void ExplicitStep::weigh_foundations() {
+  of_foundations_ = motion_.foundations().frequency(motion_.lumped_mass());
 }
 
 // Springs of contacts swing too: what strikes is met in time where steps are no longer than beside the
@@ -78,6 +83,7 @@ void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double d
 void ExplicitStep::resume() {
   first_step_ = row_.committed[of_cells];
   if (settings_.scaled_step > 0) motion_.use_mass(state_.row("mass_factor"));
+  weigh_foundations();
   bodies_.resume();
 }
 
@@ -107,7 +113,7 @@ double ExplicitStep::stable_without_contact() const {
 double ExplicitStep::longest() {
   const double dt = row_.committed[of_cells],
                cells = settings_.cfl * dt * (settings_.cfl == 1 ? 1 + rounding : 1);
-  const double square = std::max(contacts_.frequency(), row_.committed[of_penalties]);
+  const double square = std::max(contacts_.frequency(), row_.committed[of_penalties]) + of_foundations_;
   const double closing = row_.committed[of_closing],
                approach = closing > 0 ? ExplicitContact::part_of_depth / closing : HUGE_VAL;
   const double steps = std::min({cells, bodies_.longest(), approach});
@@ -118,10 +124,11 @@ double ExplicitStep::longest() {
 }
 
 std::string ExplicitStep::text(double asked) {
-  const double dt = row_.committed[of_cells], most = longest();
-  std::string text =
-      text_of("central differences: the stable step of the cells is %.4g, with contacts %.4g", dt,
-              contacts_.frequency() > 0 ? 2 / std::sqrt(4 / (dt * dt) + contacts_.frequency()) : dt);
+  const double dt = row_.committed[of_cells], most = longest(),
+               square = contacts_.frequency() + of_foundations_;
+  std::string text = text_of(
+      "central differences: the stable step of the cells is %.4g, with contacts%s %.4g", dt,
+      of_foundations_ > 0 ? " and foundations" : "", square > 0 ? 2 / std::sqrt(4 / (dt * dt) + square) : dt);
   if (const std::string penalties = contacts_.penalties(); !penalties.empty())
     text += "; penalty of " + penalties;
   if (settings_.scaled_step > 0) {
@@ -135,15 +142,22 @@ std::string ExplicitStep::text(double asked) {
   return text;
 }
 
-// Prescribed dofs take the acceleration by which the next step, if it is as long as this one, ends on their
-// data.
 void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
-  const Discretisation& d = motion_.discretisation();
-  const BoundaryData& boundary = motion_.boundary();
-  const int dim = d.dim();
   check(VecAXPBYPCZ(a, 1, -1, 0, forces_.external, forces_.internal));
   check(VecAXPY(a, 1, forces_.contact));
   check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
+  prescribe(now, a);
+  if (now.a)
+    motion_.foundations().damp({now.dt, now.v, now.a}, motion_.lumped_mass(), motion_.boundary().fixed_mask(),
+                               a, forces_.external, forces_.damping);
+}
+
+// Prescribed dofs take the acceleration by which the next step, if it is as long as this one, ends on their
+// data.
+void ExplicitStep::prescribe(const Rates& now, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  const BoundaryData& boundary = motion_.boundary();
+  const int dim = d.dim();
   if (boundary.fixed().empty()) return;
   auto& [u, v, before, goal, speed] = work_.held; // of the nodes that are owned
   for (std::vector<double>* values : {&u, &v, &before}) values->resize(d.node_values(dim));
@@ -174,6 +188,7 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   MotionProblem::Increments unused;
   motion_.advance(u, unused, {}, forces_.internal);
   motion_.loads(u, forces_.external);
+  motion_.add_foundations(forces_);
   if (contact)
     check(VecCopy(contact, forces_.contact));
   else
@@ -223,6 +238,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   motion_.update_contact(u);
   row_.trial[of_closing] = contacts_.closing_in(step.dt);
   motion_.loads(u, forces_.external);
+  motion_.add_foundations(forces_);
   const Rates rates{step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)};
   const Vec a = new_acceleration(ts_);
   if (!motion_.contacts().empty()) {

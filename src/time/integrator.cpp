@@ -20,6 +20,15 @@ Integrator::Coefficients Integrator::coefficients(PetscReal dt) const {
           .chi6 = dt * (1 - s * gamma / (2 * beta))};
 }
 
+PetscReal Integrator::velocity(PetscReal dt, const StartOfStep& start, std::vector<double>& offset) const {
+  offset.resize(start.u.size());
+  const auto [chi1, chi3, chi4, chi6] = inertia ? coefficients(dt) : Coefficients{0, 0, 1 / dt, 0};
+  const double rest = inertia ? 1 : 0;
+  for (std::size_t i = 0; i < offset.size(); ++i)
+    offset[i] = rest * (start.v[i] + chi6 * start.a[i]) - chi4 * (start.u[i] + rest * dt * start.v[i]);
+  return chi4;
+}
+
 // With z the amplification and y = (z - 1)/(z + 1) the oscillator a + omega^2 u = 0 gives
 //   4 y^2 (1 + (2 alpha_m - 1) y) + (omega dt)^2 (1 + y) (1 + b y + c y^2) = 0,
 // whose roots have no positive real part under the conditions of Hurwitz, all linear in (omega dt)^2.

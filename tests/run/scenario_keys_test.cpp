@@ -136,7 +136,7 @@ TEST(ScenarioKeys, EveryExpressionIsParsedAtOnce) {
       EXPECT_TRUE(result.message.starts_with(option.key + " \"" + wrong + "\": ")) << result.message;
     }
   }
-  EXPECT_EQ(expressions, 26);
+  EXPECT_EQ(expressions, 30);
 }
 
 } // namespace

@@ -135,6 +135,8 @@ for end in (0.5, 1):
              ranks=2 if end == 1 else 1)
 runs.require("resumed on two ranks: the same cracks", all(numpy.array_equal(runs.read_history("resumed/history.csv")[c], run[c], equal_nan=True)
                                                           for c in run.history if c.startswith("crack_") and "measure" not in c))
+check_header(runs.run("sprung", block(bcs="base", bc_base_on="bottom", bc_base_type="foundation", bc_base_stiffness=1, bc_base_stiffness_tangential=1,
+                                      bc_base_damping=1)))
 check_header(runs.run("scaled", block(ts_type="central_difference", ts_dt="auto", ts_max_time=1e-3, ts_mass_scaling_dt=1e-3,
                                       ts_mass_scaling_limit=1e3, material_solid_rho=1000)))
 runs.require(f"every row of the table is written by some run {[r[0] for r in COLUMNS if r[0] not in seen]}", seen == {row[0] for row in COLUMNS})

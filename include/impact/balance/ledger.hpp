@@ -112,6 +112,10 @@ private:
   };
   /// Dissipated since t = 0 in one material.
   enum Loss { viscous_loss, damage_loss, plastic_loss, fatigue_part, losses };
+  /// What springs store, what dashpots took since t = 0: of a row of its own, which comes and goes with them.
+  struct FoundationSum {
+    enum { store, loss, count };
+  };
   /// A line of the sheet: what a run has, of all bodies and of each material.
   struct Line;
 
@@ -120,6 +124,7 @@ private:
     return losses_.trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
   }
   void measure(Vec u, Vec v, bool trial);
+  double book_foundations(const StepWork& work);
   void book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u, bool watched);
   void book_points(const StepRecord& step, const DamageLosses& by_damage, double work_unilateral);
   void book_damage(const StepRecord& step, const DamageLosses& lost);
@@ -130,7 +135,8 @@ private:
   /// (theory.md, 11).
   double gain() const;
   bool loses_by_viscosity() const { return motion_.discretisation().has_viscosity() || choice_.viscous; }
-  double eroded(int which) const; // a component of ErosionTotals, 0 where nothing erodes
+  double eroded(int which) const;         // a component of ErosionTotals, 0 where nothing erodes
+  double of_foundations(int which) const; // of FoundationSum, 0 without any
   double stored() const;
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
@@ -142,7 +148,8 @@ private:
   bool inertia_, moves_, prescribes_damage_;
   LedgerChoice choice_;
   StateRow &totals_, &losses_;
-  StateRow* erosion_; ///< null: no cell leaves
+  StateRow* erosion_;     ///< null: no cell leaves
+  StateRow* foundations_; ///< null without any
   ForceBook forces_;
   Reactions reactions_;
   std::optional<HeatBook> heat_;

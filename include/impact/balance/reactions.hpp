@@ -16,8 +16,9 @@ class Reactions {
 public:
   Reactions(MotionProblem& motion, const StateTable& state);
 
-  /// `force` [node][dim] closes the balance of momentum on prescribed dofs, at displacement u. Collective.
-  void find(const std::vector<double>& force, Vec u);
+  /// `force` [node][dim] closes the balance of momentum on prescribed dofs, at displacement u and velocity v.
+  /// Collective.
+  void find(const std::vector<double>& force, Vec u, Vec v);
   /// Their columns; `heat` of each condition since t = 0 stands beside the temperature of thermal ones.
   void append(HistoryFile::Row& row, const std::function<double(std::size_t)>& heat) const;
 

@@ -22,6 +22,8 @@ struct StepWork {
   double unilateral = 0; ///< the unilateral stress of broken points does it
   double left = 0;       ///< of what Newton's method left of the balance
   double inertia = 0;    ///< of what stands for inertia in a run without
+  double damping = 0;    ///< of dashpots, part of `external`
+  double sprung = 0;     ///< what springs of foundations store at the end of the step
   double jumps = 0;      ///< energy that contacts lost as places came to face something else (78'')
   ShockWork shock;
   IntegratorEnergy integrator; ///< what the scheme itself does
@@ -38,6 +40,7 @@ public:
   /// are as in their row. `moving`: the state is that of a run with inertia before. Returns what the
   /// integrator holds then. Collective.
   double start(const Integrator& integrator, double dt, Vec u, Vec a, bool moving = false);
+  double sprung() const { return sprung_; } ///< StepWork::sprung at the start
   /// After a restart: reactions are not known before the next step.
   void resume();
   /// Books a step while rows still hold t_n; `kept` is IntegratorEnergy::kept of the last one. What waits in
@@ -70,6 +73,8 @@ private:
   StateRow &internal_, &external_, &contact_, &inertia_force_, &left_;
   StateRow& a_before_; ///< acceleration a step before that of the row "a"
   StateRow* closing_;  ///< of the unilateral stress (StepRecord::closing_at_end); null without
+  StateRow* damping_;  ///< of dashpots; null without
+  double sprung_ = 0;
   std::vector<double> reactions_;
   std::vector<double> a_new_, mass_;       // of book_explicit
   std::vector<double> over_step_, hidden_; // StepRecord's; zero where nothing acts over the step

@@ -18,6 +18,8 @@ enum class BcType {
   pressure,
   force,
   body_force,
+  foundation,
+  absorbing,
   damage,
   temperature,
   heat_flux,
@@ -29,6 +31,8 @@ inline bool prescribes_motion(BcType type) {
   return type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
          type == BcType::velocity || type == BcType::acceleration;
 }
+/// Springs and dashpots.
+inline bool gives_way(BcType type) { return type == BcType::foundation || type == BcType::absorbing; }
 inline bool is_thermal(BcType type) {
   return type == BcType::temperature || type == BcType::heat_flux || type == BcType::convection ||
          type == BcType::heat_source;
@@ -44,6 +48,8 @@ struct BoundaryCondition {
   /// convection, heat source per reference volume.
   std::optional<Expression> value;
   std::optional<Expression> coefficient; ///< of convection: heat flux per reference area and kelvin
+  /// Of a foundation, along the normal and across it: traction over displacement, over velocity; of places.
+  std::optional<Expression> stiffness[2], damping[2];
 };
 
 struct InitialCondition {

@@ -101,6 +101,7 @@ public:
   void add_nodal_forces(double t, std::vector<double>& f) const;
   const std::vector<LoadedFacets>& tractions() const { return tractions_; } ///< dead, per reference area
   const std::vector<LoadedFacets>& pressures() const { return pressures_; } ///< follower, per current area
+  const std::vector<LoadedFacets>& foundations() const { return foundations_; } ///< what gives_way
   /// Value of a traction or force condition at a reference point, per reference area. t [dim].
   void traction(const LoadedFacets& load, const double* x, double t, double* value) const;
 
@@ -119,7 +120,7 @@ private:
   std::vector<FixedDof> fixed_;
   std::vector<char> fixed_mask_;
   std::map<int, std::vector<int>> body_nodes_; ///< [condition] nodes of its regions
-  std::vector<LoadedFacets> tractions_, pressures_, heat_fluxes_;
+  std::vector<LoadedFacets> tractions_, pressures_, foundations_, heat_fluxes_;
   std::vector<int> damage_condition_, temperature_condition_;
   struct SharedValue {
     int node, first, second;

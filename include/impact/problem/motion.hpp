@@ -3,6 +3,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/body_load.hpp>
 #include <impact/problem/force_balance.hpp>
+#include <impact/problem/foundations.hpp>
 #include <impact/problem/mass_matrix.hpp>
 #include <impact/problem/settings.hpp>
 #include <impact/problem/soft_volume.hpp>
@@ -50,6 +51,9 @@ struct MotionStep {
   bool stabilised = false; ///< the contact-stabilised update
   double mass_shift = 0;   ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
   BulkViscosity bulk;      ///< counts where `advance` finds forces, too
+  /// Dashpots feel the velocity slope u + offset, [node][dim]; null: none.
+  double velocity_slope = 0;
+  const std::vector<double>* velocity_offset = nullptr;
 };
 
 /// Where MotionProblem::advance leaves what the heat balance takes from the motion (HeatFeed): arrays like
@@ -66,6 +70,8 @@ struct HeatRows {
 struct ForceParts {
   Handle<Vec> internal, external, contact;
   Handle<Vec> unilateral; ///< of m tau-, which `internal` then lacks; null where it acts like the rest
+  Handle<Vec> damping;    ///< of dashpots, part of `external`; null without any
+  double sprung = 0;      ///< energy of springs under this rank's facets, per unit thickness
 };
 
 /// What mass scaling did.
@@ -146,8 +152,11 @@ public:
 
   /// Parts of the residual at u, prescribed rows included. Collective.
   void parts(Vec u, ForceParts& parts);
-  /// Of these the external forces alone, into a vector that is made where there is none. Collective.
+  /// Of these the external forces alone without those of foundations, into a vector that is made where there
+  /// is none. Collective.
   void loads(Vec u, Handle<Vec>& external);
+  /// Adds the foundations' to them, at last_displacement. Collective.
+  void add_foundations(ForceParts& parts);
   void mass_multiply(Vec x, Vec y) { mass_.multiply(x, y); }
   void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
   /// Of a discretisation with lumped mass, at each dof.
@@ -179,6 +188,7 @@ public:
 
   const Discretisation& discretisation() const { return d_; }
   const BoundaryData& boundary() const { return boundary_; }
+  const Foundations& foundations() const { return foundations_; }
   ContactSet& contacts() { return contacts_; }
   const ContactSet& contacts() const { return contacts_; }
   /// Empty where there are none.
@@ -202,6 +212,7 @@ private:
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   const FacetTable& live_facets(const LoadedFacets& load);
   void add_pressure_tangent(const std::vector<double>& u);
+  void add_dashpots(const std::vector<double>& u, double sign, std::vector<double>& r);
   void forget_broken();
   int note_inverted(const CellBatch& batch, const CellStatus& status);
   MarkedCell mark(const CellGroup& group, int batch, int lane, double value) const;
@@ -218,7 +229,7 @@ private:
   template <class Visitor>
   void visit_frequencies(Vec u, const StepBefore& before, CellsOfStep by, Visitor&& visitor);
   void rebuild_matrix();
-  void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
+  void close_tangent(Vec u, bool loads, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);
   void make_shell();
 
@@ -240,9 +251,10 @@ private:
   StateRow &history_, &drive_;
   MotionStep step_;
   std::unique_ptr<SparseAssembly> assembly_;
-  std::vector<double> X_, u_, a_, r_; // local work arrays [node][dim]
-  std::vector<double> dead_load_;     // of the step's time, body forces included
+  std::vector<double> X_, u_, v_, a_, r_; // local work arrays [node][dim]
+  std::vector<double> dead_load_;         // of the step's time, body forces included
   BodyLoad body_load_;
+  Foundations foundations_;
   SoftVolume soft_volume_;
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies

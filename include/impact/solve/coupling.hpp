@@ -129,6 +129,7 @@ private:
   std::string failure_;
   std::vector<std::size_t> lost_cells_; // of this rank, which tries of the step found without volume
   std::vector<double> u_before_;        // begin_between_steps
+  std::vector<double> velocity_offset_; // MotionStep's
   ForceParts forces_, next_;            // of the record
 };
 

@@ -14,6 +14,7 @@
 /// from the cells (kernel/stable_step.hpp) and the penalties of the contacts.
 namespace impact {
 
+// Members beyond twelve: what it is given, and what bounds a step.
 class ExplicitStep {
 public:
   /// Adds a row of its own to the table; the references must outlive the object.
@@ -42,7 +43,10 @@ public:
   void follow_damage(Vec u, const std::vector<double>& phi);
   const ForceParts& forces() const { return forces_; }
   /// Cells have left: contacts find the surfaces that are there at u, and steps go with them. Collective.
-  void expose(Vec u) { contacts_.expose(u); }
+  void expose(Vec u) {
+    contacts_.expose(u);
+    weigh_foundations();
+  }
   const ExplicitBodies& bodies() const { return bodies_; }
   /// The step is accepted, and what its parts had to sum up has been. Collective.
   void accept();
@@ -55,6 +59,8 @@ private:
   };
   void invert_mass();
   void divide_by_mass(const Rates& now, Vec a);
+  void prescribe(const Rates& now, Vec a);
+  void weigh_foundations();
   double stable_without_contact() const;
   CellsOfStep cells_of_step() const;
   void scale_mass(Vec u, const std::vector<double>& before, double dt);
@@ -70,7 +76,8 @@ private:
   Erosion* erosion_;
   ExplicitScenario settings_;
   StateRow& row_;
-  double first_step_ = 0; ///< of the cells when the program started; 0: its fall has been told
+  double first_step_ = 0;     ///< of the cells when the program started; 0: its fall has been told
+  double of_foundations_ = 0; ///< Foundations::frequency
   ForceParts forces_;
   ExplicitContact contacts_;
   ExplicitBodies bodies_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <petscvec.h>
+#include <vector>
 
 /// One-step schemes for F(t, u, v, a) = 0 with all forces at t_{n+1}, each the value of four weights: find u
 /// with
@@ -27,6 +28,13 @@ struct Integrator {
     PetscReal chi1, chi3, chi4, chi6; // (99-104)
   };
   Coefficients coefficients(PetscReal dt) const;
+
+  /// (97) as v = slope u + offset: returns the slope, and the offset to these arrays of t_n, all alike. Not
+  /// of central differences.
+  struct StartOfStep {
+    const std::vector<double>&u, &v, &a;
+  };
+  PetscReal velocity(PetscReal dt, const StartOfStep& start, std::vector<double>& offset) const;
 
   /// Whether u is found before the forces are.
   bool is_explicit() const { return inertia && beta == 0; }
