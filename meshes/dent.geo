@@ -33,6 +33,6 @@ Transfinite Surface {block[]};
 Recombine Surface {block[]};
 Physical Surface("block") = {block[]};
 Physical Curve("top") = {100, 101};
-Physical Curve("axis") = {200, 210};
+Physical Curve("axis") = {200, 201};
 Physical Curve("bottom") = {120, 121};
-Physical Curve("side") = {202, 212};
+Physical Curve("side") = {220, 221};

@@ -270,6 +270,28 @@ std::string describe(const FreeBody& body, int dim) {
   return "the body of region " + body.regions + " around " + place_text(body.centre.data(), dim);
 }
 
+std::string free_axis(const Discretisation& d, const BoundaryData& boundary, const RigidBodies& rigid) {
+  if (d.frame != Frame::axisymmetric) return "";
+  const double on_axis = 1e-6 * d.mesh.smallest_edge();
+  double lowest = HUGE_VAL;
+  int count = 0;
+  for (int node = 0; node < d.mesh.node_count(); ++node) {
+    const double* x = &d.mesh.coordinates()[at(2 * node)];
+    const bool held =
+        boundary.fixed_mask()[at(2 * node)] != 0 || (!rigid.empty() && rigid.body_of_node()[at(node)] >= 0);
+    if (!d.mesh.owned(node) || x[0] > on_axis || held) continue;
+    lowest = std::min(lowest, x[1]);
+    ++count;
+  }
+  count = sum_over_ranks(d.mesh.comm(), count);
+  lowest = min_over_ranks(d.mesh.comm(), lowest);
+  return count == 0
+             ? ""
+             : text_of("%d nodes on the axis of symmetry may leave it, the lowest at y=%.4g: no condition "
+                       "holds their ux; give -bc_<id>_ux 0 on a group with all of them",
+                       count, lowest);
+}
+
 std::vector<std::string> require_held_bodies(const Discretisation& d, const BoundaryData& boundary,
                                              const ContactSet& contacts, const RigidBodies& rigid) {
   std::vector<std::string> warnings;

@@ -343,6 +343,10 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, std::option
   if (s.has_motion()) refuse_deep_overlaps(setup->discretisation, setup->contacts);
   for (const ContactInterface& contact : setup->contacts)
     report_pairs(contact, setup->discretisation.dim(), comm);
+  if (s.has_motion())
+    if (const std::string warning = free_axis(setup->discretisation, setup->boundary, setup->rigid);
+        !warning.empty())
+      check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
   if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))

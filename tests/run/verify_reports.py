@@ -140,6 +140,7 @@ for name, more in (("a sheet", {"plane": "stress", "thickness": 0.1}), ("a thick
                    ("a ring of second order", {"plane": "axisymmetric", "order": 2})):
     r = run("total", {**FORCE, "mesh": mesh("block.geo"), "bc_load_on": "top", "bc_load_ux": 0, **more})
     check(f"force on {name}: reaction", r["reaction_hold_y"][-1], 1000, 1e-8)
+    require(f"force on {name}: nodes that nothing holds on an axis are told", ("nodes on the axis of symmetry may leave it" in r.log) == ("ring" in name))
 
 # A hardening modulus of 0 that is given is perfect plasticity.
 PERFECT = {**{key: value for key, value in FORCE.items() if not key.startswith(("bc_load", "bcs"))}, "mesh": "points.geo", "bcs": "hold",

@@ -31,6 +31,11 @@ std::vector<FreeBody> find_free_bodies(const Discretisation& discretisation, con
 /// "the body of region disc around (0, 10)".
 std::string describe(const FreeBody& body, int dim);
 
+/// What to say of nodes of deformable bodies on the axis of an axisymmetric run that nothing holds there,
+/// empty for none: they would open a hole, or go through it. Collective.
+std::string free_axis(const Discretisation& discretisation, const BoundaryData& boundary,
+                      const RigidBodies& rigid);
+
 /// For runs without inertia: a body that nothing holds throws UserError(data) that names it, its motions and
 /// the remedy. One that a contact sees something near is held perhaps (LooseBodies): returns a sentence of
 /// warning for each. Collective.
