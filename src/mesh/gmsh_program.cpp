@@ -112,9 +112,14 @@ void check_parameters(const std::string& geo, const std::map<std::string, std::s
                                              "give one of them another name there");
     const auto found = declared.find(name);
     if (found == declared.end() && whole)
-      throw UserError(ExitCode::usage,
-                      geo + ": has no parameter \"" + name + "\" (-mesh_set_" + name +
-                          "); allowed: " + (known.empty() ? "none, it has no DefineConstant" : known));
+      throw UserError(
+          ExitCode::usage,
+          geo + ": has no parameter \"" + name + "\" (-mesh_set_" + name +
+              "); allowed: " + (known.empty() ? "none, it has no DefineConstant" : known) +
+              (has_word(text, "DefineNumber")
+                   ? "; what DefineNumber sets stands in gmsh's window alone: write DefineConstant[" + name +
+                         " = ..]"
+                   : ""));
     if (found != declared.end() && is_number(value) != (found->second == Constant::number))
       throw UserError(ExitCode::usage,
                       "-mesh_set_" + name + " \"" + value + "\": " + geo + " declares " +

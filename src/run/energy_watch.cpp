@@ -242,6 +242,16 @@ std::pair<double, bool> rubbing(const RunStage& stage) {
   return all;
 }
 
+std::string lag_of_damage(const Scenario& s) {
+  for (const MaterialScenario& m : s.materials)
+    if (m.law.damage != Damage::none && m.law.ge == Degradation::ductile)
+      return "likely damage lags behind by a step: -material_" + m.id +
+             "_ge ductile knows the plastic strain of the step's start (theory, E17), whatever the passes; "
+             "take smaller steps, as -ts_adapt_dalpha 0.01 does, to tell";
+  return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
+         "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
+}
+
 } // namespace
 
 std::string EnergyWatch::step_remedy() const {
@@ -260,9 +270,7 @@ std::string EnergyWatch::step_remedy() const {
   if (!inertia && !gained && !stage_.setup->contacts.empty() && missed > -0.5 * error)
     return "likely because gaps of contacts closed within steps, by which the work of their pressure is too "
            "large, as if it had acted all along: take a shorter -ts_dt to tell";
-  if (!inertia && !gained && damage)
-    return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
-           "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
+  if (!inertia && !gained && damage) return lag_of_damage(stage_.scenario);
   if (damages_in_cycles(stage_))
     return "likely much of a body damaged within a step of a cycle, whose work the trapezoidal rule takes "
            "from the forces at both ends alone: take a shorter -ts_dt to tell; damage itself knows of no "

@@ -306,10 +306,10 @@ void add_strength(MaterialRows& rows) {
 void add_degradation(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::law);
   row.choice("ge", &Law::ge,
-             "degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c); linear, exponential, "
-             "cornelissen, with damage wu, and lorentz, with damage at1: elastic up to the strength, then "
-             "the stress "
-             "falls with the opening of the crack by that law",
+             "degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c), with the alpha of the "
+             "step's start, so that steps want to be short where flow localises (-ts_adapt_dalpha); linear, "
+             "exponential, cornelissen, with damage wu, and lorentz, with damage at1: elastic up to the "
+             "strength, then the stress falls with the opening of the crack by that law",
              "quadratic", Degradation::quadratic, "cubic", Degradation::cubic, "ductile",
              Degradation::ductile, "linear", Degradation::linear, "exponential", Degradation::exponential,
              "cornelissen", Degradation::cornelissen, "lorentz", Degradation::lorentz)

@@ -40,6 +40,10 @@ for x in told(warned):
     runs.check("by default: the fifth residual beyond 0.02 in the message and in the history", x, first, 1e-2)
 runs.require("by default: cause and remedy of a loss without inertia",
              re.search(r"energy lost since.*a crack ran within a step.*more coupling passes", warned.log))
+ductile = runs.run("ductile", {**BAR, "material_solid_damage": "at1", "material_solid_model": "j2", "material_solid_sigma_y": 250, "material_solid_hardening": "linear",
+                               "material_solid_linear_h": 500, "material_solid_ge": "ductile", "material_solid_alpha_c": 0.1, "material_solid_gp": "ge", "ts_dt": 0.02,
+                               "material_solid_gamma": 0.6, "material_solid_Gc": 20, "bc_pull_ux": "0.2*t", "coupling_snes_max_it": 100}, takes_back=True)
+runs.require("by default: cause and remedy of ductile damage that lags by a step", re.search(r"energy lost since.*_ge ductile.*-ts_adapt_dalpha", ductile.log))
 far = runs.run("far", {**BAR, "ts_dt": 0.25, "ts_max_time": 4})
 runs.check_between("what a static run loses ends none: largest residual", abs(far["balance_first_law"]).max(), 0.201, 10)
 
