@@ -49,9 +49,9 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
 } // namespace
 
 BodyRows::BodyRows(StateTable& state)
-    : history(state.row("history")), drive(state.row("drive")), phi(state.find("phi")),
-      theta(state.find("theta")), fatigue(state.find("fatigue")), toughness(state.find("toughness")),
-      failure(state.find("jc_failure")) {}
+    : history(state.row("history")), drive(state.find("drive") ? &state.row("drive") : nullptr),
+      phi(state.find("phi")), theta(state.find("theta")), fatigue(state.find("fatigue")),
+      toughness(state.find("toughness")), failure(state.find("jc_failure")) {}
 
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial) {
   std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;
@@ -104,7 +104,7 @@ DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, c
     if (batch.law.exchanges()) {
       batch.load(step.dissipation, all);
       const auto now = batch.scalars(rows.phi->trial), before = batch.scalars(rows.phi->committed);
-      const auto driving = batch.load<drive_size>(rows.drive.trial);
+      const auto driving = batch.load<drive_size>(rows.drive->trial);
       auto flowed = batch.histories(), flowed_n = batch.histories();
       auto exchanged = batch.points<1>();
       batch.load(rows.history.trial, flowed);
@@ -131,7 +131,7 @@ double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std
   double sum = 0;
   for_each_batch(d, damages, [&](const CellBatch& batch) {
     const auto X = batch.vectors(d.mesh.coordinates()), seen = batch.scalars(phi);
-    const auto after = batch.load<drive_size>(rows.drive.trial), before = batch.load<drive_size>(drive_n);
+    const auto after = batch.load<drive_size>(rows.drive->trial), before = batch.load<drive_size>(drive_n);
     auto flowed = batch.histories();
     batch.load(rows.history.committed, flowed);
     Batch part = 0;

@@ -198,15 +198,15 @@ void Ledger::book_damage(const StepRecord& step, const DamageLosses& lost) {
 
 // Not times the thickness.
 double Ledger::unilateral_energy(std::span<const double> phi) const {
-  if (!heat_) return find_unilateral_energy(motion_.discretisation(), rows_, phi, rows_.drive.committed);
+  if (!heat_) return find_unilateral_energy(motion_.discretisation(), rows_, phi, rows_.drive->committed);
   // At the temperature that the force saw, too.
-  const std::vector<double> flow = rows_.history.trial, driving = rows_.drive.trial;
+  const std::vector<double> flow = rows_.history.trial, driving = rows_.drive->trial;
   const Handle<Vec> u_n = motion_.discretisation().global_of(state_.row("u").committed);
   MotionProblem::Increments unused;
   motion_.advance(u_n, unused);
-  const std::vector<double> before = rows_.drive.trial;
+  const std::vector<double> before = rows_.drive->trial;
   rows_.history.trial = flow;
-  rows_.drive.trial = driving;
+  rows_.drive->trial = driving;
   return find_unilateral_energy(motion_.discretisation(), rows_, phi, before);
 }
 

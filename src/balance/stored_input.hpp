@@ -32,7 +32,7 @@ struct StoredInput {
     in.theta = batch.read(half(rows.theta), theta);
     in.history = batch.read(half(&rows.history), history);
     in.fatigue = batch.read(batch.law.fatigues() ? half(rows.fatigue) : nullptr, fatigue);
-    in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, drive);
+    in.drive = batch.read(batch.law.softens() ? half(rows.drive) : nullptr, drive);
   }
   StoredInput(const StoredInput&) = delete;
   StoredInput& operator=(const StoredInput&) = delete;

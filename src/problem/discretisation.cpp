@@ -280,7 +280,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
                              d.point_values(history_size(d.frame)));
   set_virgin(d.frame, rows.committed);
   rows.trial = rows.committed;
-  table.add({"drive", Support::cell_point, drive_size}, d.point_values(drive_size));
+  if (d.has_drive()) table.add({"drive", Support::cell_point, drive_size}, d.point_values(drive_size));
   if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, d.point_values(1));
   if (d.has_toughness()) table.add({"toughness", Support::cell_point, 2}, d.point_values(2));
   if (d.has_failure()) table.add({"jc_failure", Support::cell_point, 1}, d.point_values(1));

@@ -14,7 +14,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
                          const ContactSet* contacts)
     : d_(discretisation), boundary_(boundary), settings_(settings), loads_(d_, boundary_),
       field_(d_, held_nodes(boundary_), settings.order == 1), theta_(state.row("theta")),
-      history_(state.row("history")), drive_(state.row("drive")), x_(d_.node_values(1)),
+      history_(state.row("history")), drive_(state.find("drive")), x_(d_.node_values(1)),
       r_(d_.node_values(1)), constant_(d_.node_values(1)), flows_(moves && d_.has_plasticity()) {
   const std::size_t points = d_.point_values(1);
   points_.resize(points * heat_point_size);
@@ -177,7 +177,7 @@ bool HeatProblem::visit_batches(const std::vector<double>& theta, Reads reads, B
       if (stress_) put(&step_stress_, P, in.stress, &stress_->committed, P_n, in.stress_n);
     }
     // The exchange of the entropy form takes the energies of the end, like damage.
-    if ((all && energy && law.softens()) || exchanges) put_row(drive_, E, in.drive, E_n, in.drive_n, energy);
+    if ((all && energy && law.softens()) || exchanges) put_row(*drive_, E, in.drive, E_n, in.drive_n, energy);
     if (all && !energy && step_.dissipation) {
       in.dissipation = batch.read(step_.dissipation, dissipation);
       for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;

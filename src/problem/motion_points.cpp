@@ -65,7 +65,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
       fields = step_fields(u_, nullptr, law);
       fields.unilateral = apart ? 0 : 1;
       if (internal) fields.bulk = step_.bulk;
-      if (law.softens()) fields.drive = &drive_.committed;
+      if (law.softens()) fields.drive = &drive_->committed;
     }
     const MotionBatch cells(batch, fields);
     auto next = batch.histories();
@@ -75,16 +75,18 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
     StepSums step;
     const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
                         heat.stress ? stress.data() : nullptr};
-    Batch* const trial = keeps_history(law) ? next.data() : nullptr;
+    Batch *const trial = keeps_history(law) ? next.data() : nullptr, *const drive = drive_ && (damages(law) ||
+                                                                                               law.softens())
+                                                                                        ? driving.data()
+                                                                                        : nullptr;
     if (apart && heat.step_stress) store_stress_twice(batch, cells.in, twice, trial, *heat.step_stress);
     if (internal)
-      sound = step_cells(batch, cells.in, trial, driving.data(), step, feed) && sound;
+      sound = step_cells(batch, cells.in, trial, drive, step, feed) && sound;
     else
-      sound = batch.broken(
-                  batch.kernels.motion_advance(law, cells.in, trial, driving.data(), step, feed).bad) == 0 &&
+      sound = batch.broken(batch.kernels.motion_advance(law, cells.in, trial, drive, step, feed).bad) == 0 &&
               sound;
     if (keeps_history(law)) batch.store(next, history_.trial);
-    batch.store(driving, drive_.trial);
+    if (drive) batch.store(driving, drive_->trial);
     if (heat.dissipation) batch.store(dissipation, *heat.dissipation);
     if (heat.stress) batch.store(stress, *heat.stress);
     if (heat.step_stress && !apart) batch.store(stress, *heat.step_stress);

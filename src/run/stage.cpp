@@ -156,10 +156,12 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
               s.coupling.by_central_differences.bulk.acts(), heat ? &*heat : nullptr}),
       source(motion, state), u(d.displacement.make_global()), v(d.displacement.make_global()),
       a(d.displacement.make_global()) {
-  if (s.explicit_steps()) // many short steps, whose time is that of passing through memory
-    for (const char* name : {"u", "v", "a", "mean_rate", "history", "drive", "force_internal",
-                             "force_external", "force_contact", "force_inertia"})
+  if (s.explicit_steps()) { // many short steps, whose time is that of passing through memory
+    for (const char* name : {"u", "v", "a", "mean_rate", "history", "force_internal", "force_external",
+                             "force_contact", "force_inertia"})
       state.row(name).rewritten = true;
+    if (d.has_drive()) state.row("drive").rewritten = true;
+  }
   if (inertia && !s.explicit_steps()) refuse_updates_of_rigid_sides(*setup, coupling.stabilised());
   set_time_options(ts);
   if (const Integrator& p = integrator_of(ts);
@@ -185,7 +187,7 @@ void RunStage::enter_or_leave_path(const Checkpoint& from) {
 
 void RunStage::set_state(const Checkpoint* resume) {
   double time = 0;
-  OtherRows others{{load_parameter_row}, {load_parameter_row}};
+  OtherRows others{{load_parameter_row}, {load_parameter_row, "drive"}}; // of before, where nothing reads it
   if (resume != nullptr) {
     const std::string type = time_scheme_of(*resume);
     other_scheme = scenario.has_motion() && type != scenario.time.type;

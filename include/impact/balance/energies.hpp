@@ -12,7 +12,8 @@ namespace impact {
 
 /// The rows that these integrals read; null where the run has no such physics.
 struct BodyRows {
-  StateRow &history, &drive;
+  StateRow& history;
+  StateRow* drive;
   const StateRow *phi, *theta, *fatigue, *toughness, *failure;
   explicit BodyRows(StateTable& state);
 };

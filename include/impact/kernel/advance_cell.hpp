@@ -119,19 +119,22 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     const Batch z_trial = e.flow.y - Batch(1.0);
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
-    PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, now.alpha, in.theta, q);
-    if constexpr (principal) energy = {e.of.plus, e.of.minus, energy.plastic};
-    if (law.softens())
-      energy.plastic =
-          law.plastic_energy(e.flow, old.alpha, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
+    if (drive) {
+      PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, now.alpha, in.theta, q);
+      if constexpr (principal) energy = {e.of.plus, e.of.minus, energy.plastic};
+      if (law.softens())
+        energy.plastic =
+            law.plastic_energy(e.flow, old.alpha, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
+      drive_at(drive, q) = {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
+      status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
+    }
+    status.bad |= bits(~is_finite(e.Je_minus_1 + z));
     if (trial_history) {
       HistoryOf<frame>& kept = history_at<frame>(trial_history, q);
       kept.A = now.A;
       kept.alpha = now.alpha;
       if constexpr (frame == Frame::plane_stress) kept.stretch = s.H[q][4];
     }
-    if (drive) drive_at(drive, q) = {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
-    status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
     Batch lost = Batch(0.0);
     if (law.flows()) lost = book(flow_book(law, e, now.alpha, now.alpha - old.alpha, z_trial, z), w, sums);
     if constexpr (heats) {

@@ -18,8 +18,9 @@ struct CellKernels {
   /// unless nullptr.
   CellStatus (*motion_tangent)(const PointLaw&, const MotionInput&, Batch* r, Batch* K);
   /// Evaluates the law at the accepted u: writes trial_history [point][history_size] and drive
-  /// [point][drive_size] and adds to the step sums. trial_history may be nullptr for Model::elastic but in
-  /// plane stress; it must not alias in.history. What heat asks for is written where it is not nullptr.
+  /// [point][drive_size], where not nullptr, and adds to the step sums. trial_history may be nullptr for
+  /// Model::elastic but in plane stress; it must not alias in.history. What heat asks for is written where it
+  /// is not nullptr.
   CellStatus (*motion_advance)(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive,
                                StepSums&, const HeatFeed&);
   /// The same, and r [node][dim] += the internal force, bulk viscosity among it: the one pass over the cells

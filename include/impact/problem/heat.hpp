@@ -98,7 +98,8 @@ private:
   Window window_;
   double t_n_ = 0, t_ = 0; ///< of the window
   Mailbox mailbox_;
-  StateRow &theta_, &history_, &drive_;
+  StateRow &theta_, &history_;
+  const StateRow* drive_; // null where nothing reads it
   // rows "fatigue"; "stress", of the energy form with motion; "warming", of bodies that expand
   StateRow *worn_ = nullptr, *stress_ = nullptr, *warming_ = nullptr;
   std::vector<double> theta_before_, x_, r_, constant_;

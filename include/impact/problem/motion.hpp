@@ -248,7 +248,8 @@ private:
   RankErrors data_errors_;
   Tally tally_;
   std::vector<double> lost_; // of `advance`
-  StateRow &history_, &drive_;
+  StateRow& history_;
+  StateRow* drive_; // null where nothing reads it
   MotionStep step_;
   std::unique_ptr<SparseAssembly> assembly_;
   std::vector<double> X_, u_, v_, a_, r_; // local work arrays [node][dim]
