@@ -29,9 +29,7 @@ Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool move
       losses_(add_numbers(state, "ledger_materials",
                           motion.discretisation().materials.size() * static_cast<std::size_t>(losses))),
       erosion_(motion.discretisation().erodes() ? &state.row("erosion_totals") : nullptr),
-      foundations_(motion.foundations().empty()
-                       ? nullptr
-                       : &add_numbers(state, "bc_foundations", static_cast<int>(FoundationSum::count))),
+      foundations_(add_numbers(state, "bc_foundations", FoundationSum::count)),
       forces_(motion, state, inertia), reactions_(motion, state) {
   energies_.of.resize(motion_.discretisation().materials.size());
   if (motion_.discretisation().has_heat())
@@ -52,8 +50,7 @@ void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a,
   sum(scale) = std::abs(sum(start_energy));
   sum(kept) = motion_.discretisation().thickness * (forces_.start(integrator, dt, u, a) + kept_by_bodies);
   sum(kept_at_start) = sum(kept);
-  if (foundations_)
-    foundations_->trial[FoundationSum::store] = motion_.discretisation().thickness * forces_.sprung();
+  foundations_.trial[FoundationSum::store] = motion_.discretisation().thickness * forces_.sprung();
   sum(start_energy) = stored();
   sum(kinetic) = energies_.total.kinetic;
   reactions_.find(forces_.reactions(), u, v);
@@ -153,12 +150,12 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
   sum(contact_store) = store;
 }
 
-// Returns what springs stored and dashpots lost, which the bodies did not get from them.
+// Returns what springs stored and dashpots lost, which the bodies did not get from them. Those that a run has
+// left out at a restart take what they stored along.
 double Ledger::book_foundations(const StepWork& work) {
-  if (!foundations_) return 0;
   const double w = motion_.discretisation().thickness, lost = -w * work.damping,
-               before = std::exchange(foundations_->trial[FoundationSum::store], w * work.sprung);
-  foundations_->trial[FoundationSum::loss] += lost;
+               before = std::exchange(foundations_.trial[FoundationSum::store], w * work.sprung);
+  foundations_.trial[FoundationSum::loss] += lost;
   return lost + w * work.sprung - before;
 }
 
@@ -237,9 +234,7 @@ double Ledger::stored() const {
          sum(contact_store) + sum(kept) + of_foundations(FoundationSum::store);
 }
 
-double Ledger::of_foundations(int which) const {
-  return foundations_ == nullptr ? 0 : foundations_->trial[static_cast<std::size_t>(which)];
-}
+double Ledger::of_foundations(int which) const { return foundations_.trial[static_cast<std::size_t>(which)]; }
 
 double Ledger::eroded(int which) const {
   return erosion_ == nullptr ? 0 : erosion_->trial[static_cast<std::size_t>(which)];

@@ -6,7 +6,7 @@ namespace impact {
 void Ledger::append(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
   const bool contact = !motion_.contacts().empty(), heat = d.has_heat();
-  const bool damped = motion_.foundations().damps();
+  const bool damped = motion_.foundations().damps() || of_foundations(FoundationSum::loss) != 0;
   const MaterialEnergies& total = energies_.total;
   struct Column {
     const char* name;
@@ -26,7 +26,7 @@ void Ledger::append(HistoryFile::Row& row) const {
       {"dissipated_friction", motion_.contacts().demands().frictional, sum(friction)},
       {"dissipated_fatigue", d.has_fatigue(), sum(fatigue_loss)},
       {"energy_contact", contact, sum(contact_store)},
-      {"energy_foundation", foundations_ != nullptr, of_foundations(FoundationSum::store)},
+      {"energy_foundation", !motion_.foundations().empty(), of_foundations(FoundationSum::store)},
       {"dissipated_contact", contact && inertia_, sum(contact_loss)},
       {"dissipated_closing", choice_.unilateral, sum(closing)},
       {"dissipated_erosion", d.erodes(), eroded(ErosionTotals::energy)},
@@ -117,7 +117,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           stored("stored: fatigue", d.has_fatigue(), &MaterialEnergies::fatigue),
           stored("stored: thermal", heat_.has_value(), &MaterialEnergies::thermal),
           {"stored: contact", contact, sum(contact_store)},
-          {"stored: foundations", foundations_ != nullptr, of_foundations(FoundationSum::store)},
+          {"stored: foundations", !motion_.foundations().empty(), of_foundations(FoundationSum::store)},
           {"stored: integrator", inertia_, sum(kept)},
           lost("dissipated: viscous", loses_by_viscosity(), viscous, viscous_loss),
           lost("dissipated: damage", d.has_damage(), damage, damage_loss),
@@ -127,7 +127,8 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           {"dissipated: contact", contact && inertia_, sum(contact_loss)},
           {"dissipated: closing cracks" + (state_.find("stress") ? became : ""), choice_.unilateral,
            sum(closing)},
-          {"dissipated: foundations", motion_.foundations().damps(), of_foundations(FoundationSum::loss)},
+          {"dissipated: foundations", of_foundations(FoundationSum::loss) != 0,
+           of_foundations(FoundationSum::loss)},
           {"left with eroded cells", d.erodes(), eroded(ErosionTotals::energy)},
           {"dissipated: integrator", moves_, sum(numerical)},
           {"work of unbalanced forces", moves_, sum(unbalanced)},

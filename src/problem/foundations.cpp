@@ -67,7 +67,12 @@ Foundations::Foundations(const Discretisation& discretisation, const BoundaryDat
       surfaces_.push_back(make_surface(load, boundary, group_of_cell));
   });
   for (const Surface& surface : surfaces_)
-    for (const Point& point : surface.points) damps = damps != 0 || point.dashpot.any() ? 1 : 0;
+    for (const Point& point : surface.points) {
+      damps = damps != 0 || point.dashpot.any() ? 1 : 0;
+      for (const double k : {point.spring.normal, point.spring.across})
+        if (k > 0) softest_ = std::min(softest_, k);
+    }
+  softest_ = min_over_ranks(d_.mesh.comm(), softest_);
   damps_ = max_over_ranks(d_.mesh.comm(), damps) > 0;
   if (damps_ && d_.lumped_mass) make_dampers();
 }
@@ -257,11 +262,11 @@ void Foundations::damp(const Rates& rates, Vec lumped_mass, const std::vector<ch
                        Vec external, Vec damping) const {
   if (dampers_.empty()) return;
   const auto dim = at(d_.dim());
-  const double half = rates.a_n != nullptr ? rates.dt / 2 : 0;
+  const double half = rates.dt / 2, of_start = rates.a_n != nullptr ? half : 0;
   PetscInt first = 0;
   double *after = nullptr, *loads = nullptr, *by_dashpots = nullptr;
   check(VecGetOwnershipRange(a, &first, nullptr));
-  const Entries mass(lumped_mass), v(rates.v_n), before(half > 0 ? rates.a_n : rates.v_n);
+  const Entries mass(lumped_mass), v(rates.v_n), before(rates.a_n != nullptr ? rates.a_n : rates.v_n);
   check(VecGetArray(a, &after));
   check(VecGetArray(external, &loads));
   check(VecGetArray(damping, &by_dashpots));
@@ -272,7 +277,7 @@ void Foundations::damp(const Rates& rates, Vec lumped_mass, const std::vector<ch
     std::array<bool, 3> free{};
     for (std::size_t k = 0; k < dim; ++k) {
       free[k] = fixed[at(node) * dim + k] == 0;
-      speed[k] = v[row + k] + half * before[row + k] + (free[k] ? 0 : half * after[row + k]);
+      speed[k] = v[row + k] + of_start * before[row + k] + (free[k] ? 0 : half * after[row + k]);
     }
     const Vector3 drag = C * speed;
     for (std::size_t k = 0; k < dim; ++k) {

@@ -31,7 +31,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
                                          "_model rigid); take assembled, the default");
   rigid_->use_symmetric_tangent(symmetric_);
   if (const double softest = d_.softest_modulus(); std::isfinite(softest))
-    reference_force_ = 1e-12 * softest * d_.small_facet();
+    reference_force_ = 1e-12 * std::min(softest * d_.small_facet(), foundations_.softest() * d_.small_cell());
   for (ContactInterface& contact : contacts_) {
     contact.constraints().set_fixed_dofs(boundary_.fixed_mask());
     if (!rigid_->empty()) contact.set_rigid_nodes(rigid_->reduction(), rigid_->body_of_node());
@@ -250,7 +250,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
     check(VecAXPY(parts.unilateral, -1, parts.internal));
   }
   loads(u, parts.external);
-  add_foundations(parts);
+  add_foundations(parts, true);
   if (!parts.contact) parts.contact = d_.displacement.make_global();
   check(VecSet(parts.contact, 0));
   contacts_.add_forces(u, -1, parts.contact);
@@ -271,14 +271,14 @@ void MotionProblem::loads(Vec u, Handle<Vec>& external) {
   put(r_, external);
 }
 
-void MotionProblem::add_foundations(ForceParts& parts) {
+void MotionProblem::add_foundations(ForceParts& parts, bool dashpots) {
   if (foundations_.empty()) return;
   std::fill(r_.begin(), r_.end(), 0.0);
   parts.sprung = foundations_.add_springs(u_, 1, r_);
   d_.displacement.add_to_global(r_, parts.external);
   if (!foundations_.damps()) return;
   std::fill(r_.begin(), r_.end(), 0.0);
-  add_dashpots(u_, 1, r_);
+  if (dashpots) add_dashpots(u_, 1, r_);
   if (!parts.damping) parts.damping = d_.displacement.make_global();
   put(r_, parts.damping);
   check(VecAXPY(parts.external, 1, parts.damping));

@@ -86,8 +86,8 @@ const char* const about_solvers =
     "`_ksp_guess_type`); what the chosen solver reads and has no use for (`_ksp_rtol` of a direct one, "
     "`_pc_factor_shift_type` of MUMPS) is told, and refused with `-options_strict`. Fragments to "
     "add on the command line are in `options/solver`. `-motion_snes_atol` (1e-12 E h^(d-1) of the softest "
-    "material, times 2 pi R of rings) and `-motion_snes_rtol` (1e-10 of the first residual) hold for each "
-    "body on its own; no "
+    "material, times 2 pi R of rings, or k h^d of softer springs of foundations) and `-motion_snes_rtol` "
+    "(1e-10 of the first residual) hold for each body on its own; no "
     "length of a step ends a solve (`_snes_stol` is 0). `-motion_snes_max_it` is 25, with friction or "
     "semismooth contact 150, without contact 50 or more.";
 

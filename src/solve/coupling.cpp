@@ -117,6 +117,9 @@ void Coupling::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   if (!integrator_of(ts_).inertia) return;
   if (explicit_) {
     explicit_->start_acceleration(u, v, contact, a);
+    const std::vector<double> rate = fields_.motion.discretisation().local_of(a);
+    const double half = Get(TSGetTimeStep)(ts_) / 2; // after which dashpots feel the velocity
+    for (std::size_t i = 0; i < velocity_offset_.size(); ++i) velocity_offset_[i] += half * rate[i];
     return set_acceleration(ts_, a);
   }
   // M a_0 = F_ext - F_int(u_0, v_0) on the free dofs; prescribed dofs keep the rate of their data.

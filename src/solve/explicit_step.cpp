@@ -147,9 +147,8 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   check(VecAXPY(a, 1, forces_.contact));
   check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
   prescribe(now, a);
-  if (now.a)
-    motion_.foundations().damp({now.dt, now.v, now.a}, motion_.lumped_mass(), motion_.boundary().fixed_mask(),
-                               a, forces_.external, forces_.damping);
+  motion_.foundations().damp({now.dt, now.v, now.a}, motion_.lumped_mass(), motion_.boundary().fixed_mask(),
+                             a, forces_.external, forces_.damping);
 }
 
 // Prescribed dofs take the acceleration by which the next step, if it is as long as this one, ends on their
@@ -188,7 +187,7 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   MotionProblem::Increments unused;
   motion_.advance(u, unused, {}, forces_.internal);
   motion_.loads(u, forces_.external);
-  motion_.add_foundations(forces_);
+  motion_.add_foundations(forces_, false);
   if (contact)
     check(VecCopy(contact, forces_.contact));
   else
@@ -238,7 +237,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   motion_.update_contact(u);
   row_.trial[of_closing] = contacts_.closing_in(step.dt);
   motion_.loads(u, forces_.external);
-  motion_.add_foundations(forces_);
+  motion_.add_foundations(forces_, false);
   const Rates rates{step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)};
   const Vec a = new_acceleration(ts_);
   if (!motion_.contacts().empty()) {

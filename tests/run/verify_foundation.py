@@ -139,6 +139,35 @@ for name, options in (("explicit", {**CUBE, **EXPLICIT}), ("implicit", {**CUBE, 
     for column in ("dissipated_foundation", "energy_foundation", "reaction_base_y", "reaction_ends_x"):
         check(f"cube, {name}, 2 ranks: {column}", abs(two[column] - one[column]).max() / abs(one[column]).max(), 0, 1e-9, relative=False)
         require(f"cube, {name}, restart: {column} bit for bit", (again[column][-20:] == one[column][-20:]).all())
+# Dashpots far stronger than rho c under a body that is in motion at the start, and where explicit steps begin at a restart.
+STRONG = {**BODY, "material_solid_E": 1e9, "material_solid_nu": 0, "mesh_set_n": 8, "bcs": "base", "bc_base_on": "bottom", "bc_base_type": "foundation",
+          "ics": "start", "ic_start_on": "solid", "ic_start_vy": -1, "ts_max_time": 0.02}
+for damping in some((1e8, 1e7, 1e9), 2):
+    strong = run("strong", {**STRONG, **EXPLICIT, "bc_base_damping": damping})
+    check_between(f"dashpots of {damping:.0e}: kinetic energy over that of the start", strong["energy_kinetic"].max() / 500, 0, 1.0001)
+    check_between(f"dashpots of {damping:.0e}: least of what they took", strong["dissipated_foundation"].min(), 0, 500)
+    check(f"dashpots of {damping:.0e}: first law", abs(strong["balance_first_law"]).max(), 0, 1e-4, relative=False)
+run("slow", {**STRONG, "bc_base_damping": 1e8, "ts_dt": 1e-4, "ts_max_time": 2e-3})
+strong = run("strong", {**STRONG, **EXPLICIT, "bc_base_damping": 1e8, "restart": "slow/checkpoints/checkpoint_000001.h5", "restart_allow": "ts_type,ts_dt"})
+check_between("begun by implicit steps: kinetic energy over that of the start", strong["energy_kinetic"].max() / 500, 0, 1.0001)
+check("begun by implicit steps: first law", abs(strong["balance_first_law"]).max(), 0, 3e-4, relative=False)
+
+# A foundation that a run leaves out at a restart takes along what its springs stored; what dashpots took stays in the books.
+let_go = {**OSCILLATOR, "ts_dt": 0.02, "ts_max_time": 2, "checkpoint_every": 50, "checkpoint_keep": 9}
+before = run("before", let_go)
+after = run("after", {**{key: value for key, value in let_go.items() if not key.startswith("bc")}, "restart": "before/checkpoints/checkpoint_000001.h5",
+                      "restart_allow": "bcs,bc_base"})
+check("left out at a restart: work of the letting go, and half of the first step's", after["work_external"][-1], -before["energy_foundation"][50], 0.02)
+check("left out at a restart: what dashpots took", after["dissipated_foundation"][-1], before["dissipated_foundation"][50], 1e-12)
+check("left out at a restart: first law", abs(after["balance_first_law"]).max(), 0, 1e-6, relative=False)
+
+# A steel cube on soft springs and dashpots (0.5 Hz) under a force of a tenth of a millinewton: by Runge and Kutta, 4.0044e-7 m.
+ISOLATED = {**BODY, "mesh_set_dim": 3, "mesh_set_n": 2, "mesh_set_lx": 0.1, "mesh_set_ly": 0.1, "mesh_set_lz": 0.1, "material_solid_E": 210e9,
+            "material_solid_rho": 7850, "bcs": "base,load", "bc_base_on": "bottom", "bc_base_type": "foundation", "bc_base_stiffness": 8e3,
+            "bc_base_stiffness_tangential": 8e3, "bc_base_damping": 80, "bc_load_on": "top", "bc_load_type": "force",
+            "bc_load_uy": "1e-4*sin(2*pi*2*t)", "ts_dt": 0.005, "ts_max_time": 2}
+isolated = run("isolated", ISOLATED)
+check("isolated cube, a small force: largest displacement", abs(isolated["mean_load_uy"]).max(), 4.00442e-7, 1e-3)
 # Springs alone bound the step: without them the cells allow longer ones, which would be unstable.
 held = run("held", {**OSCILLATOR, **EXPLICIT, "bc_base_stiffness": 1e9, "bc_base_damping": 0, "ts_max_time": 0.5})
 check("stiff springs, explicit: first law", abs(held["balance_first_law"]).max(), 0, 1e-4, relative=False)

@@ -149,7 +149,7 @@ private:
   LedgerChoice choice_;
   StateRow &totals_, &losses_;
   StateRow* erosion_;     ///< null: no cell leaves
-  StateRow* foundations_; ///< null without any
+  StateRow& foundations_; ///< FoundationSum, of foundations of before too
   ForceBook forces_;
   Reactions reactions_;
   std::optional<HeatBook> heat_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <functional>
 #include <impact/math/rotation.hpp>
 #include <impact/math/vector3.hpp>
@@ -22,6 +23,8 @@ public:
 
   bool empty() const { return empty_; } ///< alike on all ranks
   bool damps() const { return damps_; } ///< the same: has dashpots
+  /// The least stiffness of springs, traction over displacement; infinite without. Alike on all ranks.
+  double softest() const { return softest_; }
 
   /// force [node][dim] += `sign` times what springs exert at displacement u [node][dim]; returns what those
   /// of this rank's facets store, per unit thickness (3'').
@@ -37,7 +40,8 @@ public:
 
   /// A bound of the square of the frequencies that the springs alone give to these masses. Collective.
   double frequency(Vec lumped_mass) const;
-  /// What an explicit step knows when it looks for its acceleration; a_n null: at the start.
+  /// What an explicit step knows when it looks for its acceleration; a_n null: at the start, whose first half
+  /// step the dashpots feel at its end, or strong ones would turn the motion round.
   struct Rates {
     double dt;
     Vec v_n, a_n;
@@ -84,6 +88,7 @@ private:
   std::vector<Surface> surfaces_;
   std::vector<Damper> dampers_; ///< with a lumped mass
   bool empty_ = true, damps_ = false;
+  double softest_ = HUGE_VAL;
 };
 
 } // namespace impact

@@ -155,8 +155,9 @@ public:
   /// Of these the external forces alone without those of foundations, into a vector that is made where there
   /// is none. Collective.
   void loads(Vec u, Handle<Vec>& external);
-  /// Adds the foundations' to them, at last_displacement. Collective.
-  void add_foundations(ForceParts& parts);
+  /// Adds the foundations' to them, at last_displacement; without `dashpots` those are left to be found.
+  /// Collective.
+  void add_foundations(ForceParts& parts, bool dashpots);
   void mass_multiply(Vec x, Vec y) { mass_.multiply(x, y); }
   void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
   /// Of a discretisation with lumped mass, at each dof.
@@ -196,8 +197,8 @@ public:
   /// Which cell broke most, of all ranks: "cell inverted (J=-2) at x=(0,1) in material a"; empty without any.
   /// Collective.
   std::string broken_text() const;
-  /// 1e-12 E h^(dim-1) of the softest material: the absolute tolerance that makes sense for the residual,
-  /// beside the rounding of stiffer bodies (ForceBalance).
+  /// 1e-12 E h^(dim-1) of the softest material, or k h^dim of softer springs below: the absolute tolerance
+  /// that makes sense for the residual, beside the rounding of stiffer bodies (ForceBalance).
   double reference_force() const { return reference_force_; }
   /// When the residual is balanced; its rounding is that of the last tangent.
   ForceBalance& balance() { return balance_; }
