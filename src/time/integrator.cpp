@@ -48,10 +48,7 @@ PetscReal Integrator::stability_limit() const {
 
 namespace {
 
-PetscReal dot(Vec x, Vec y) {
-  const PetscReal value = Get(VecDot)(x, y);
-  return value;
-}
+PetscReal dot(Vec x, Vec y) { return Get(VecDot)(x, y); }
 
 } // namespace
 

@@ -99,7 +99,7 @@ const Rows known = {
     {"force_left", {Support::vertex, 2}}, // of the balance, by Newton's method
     {"a_before", {Support::vertex, 2}},
     {"bc_foundations", {Support::global, 2}}, // stored by springs, taken by dashpots
-    {"force_damage", {Support::vertex, 1}}, // on prescribed phi
+    {"force_damage", {Support::vertex, 1}},   // on prescribed phi
 };
 
 AllPhysics make(ContactMethod method) {

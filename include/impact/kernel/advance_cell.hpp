@@ -98,6 +98,18 @@ template <class Cell, Frame frame> struct StepForces {
   }
 };
 
+/// What drives damage at one point, and what a law that softens has stored.
+template <class Cell, class Point>
+Drive driving_energies(const PointLaw& law, const MotionInput& in, const Point& e, const Batch& alpha_n,
+                       const Batch& alpha, const Batch& z, int q) {
+  PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, alpha, in.theta, q);
+  if constexpr (requires { e.of.plus; }) energy = {e.of.plus, e.of.minus, energy.plastic};
+  if (law.softens())
+    energy.plastic =
+        law.plastic_energy(e.flow, alpha_n, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
+  return {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
+}
+
 /// With `heats` also what the heat balance asks for, with `forces` the internal force. Forces is a constant
 /// where a run without them is to pay nothing and to keep its last digits.
 template <class Cell, Frame frame, bool heats, bool principal, class Forces>
@@ -120,13 +132,9 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
     if (drive) {
-      PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, now.alpha, in.theta, q);
-      if constexpr (principal) energy = {e.of.plus, e.of.minus, energy.plastic};
-      if (law.softens())
-        energy.plastic =
-            law.plastic_energy(e.flow, old.alpha, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
-      drive_at(drive, q) = {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
-      status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
+      drive_at(drive, q) = driving_energies<Cell>(law, in, e, old.alpha, now.alpha, z, q);
+      const Drive& kept = drive_at(drive, q);
+      status.bad |= bits(~is_finite(kept.plus + kept.minus + kept.plastic));
     }
     status.bad |= bits(~is_finite(e.Je_minus_1 + z));
     if (trial_history) {
