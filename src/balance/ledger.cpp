@@ -83,6 +83,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
     by_damage = find_damage_losses(motion_.discretisation(), rows_, step);
     by_damage.add_to(motion_.tally());
   }
+  note_loads(step);
   const StepWork work = step.integrator.is_explicit() ? forces_.book_explicit(step, a)
                                                       : forces_.book(step, u, v, a, sum(kept) / w);
   const double work_internal = w * work.internal;
@@ -148,6 +149,12 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
   sum(start_energy) -= sprung;
   if (!inertia_) sum(gap_work) += taken - sprung;
   sum(contact_store) = store;
+}
+
+void Ledger::note_loads(const StepRecord& step) {
+  if (!moves_ || step.integrator.is_explicit() || step.counts.newton > 0) return;
+  const PetscReal loads = Get(VecNorm)(step.forces->external, NORM_2), left = Get(VecNorm)(step.left, NORM_2);
+  if (loads > 0 && left > 1e-3 * loads) ++unanswered_;
 }
 
 // Returns what springs stored and dashpots lost, which the bodies did not get from them. Those that a run has

@@ -277,9 +277,10 @@ void MotionProblem::add_foundations(ForceParts& parts, bool dashpots) {
   parts.sprung = foundations_.add_springs(u_, 1, r_);
   d_.displacement.add_to_global(r_, parts.external);
   if (!foundations_.damps()) return;
-  std::fill(r_.begin(), r_.end(), 0.0);
-  if (dashpots) add_dashpots(u_, 1, r_);
   if (!parts.damping) parts.damping = d_.displacement.make_global();
+  if (!dashpots) return check(VecSet(parts.damping, 0));
+  std::fill(r_.begin(), r_.end(), 0.0);
+  add_dashpots(u_, 1, r_);
   put(r_, parts.damping);
   check(VecAXPY(parts.external, 1, parts.damping));
 }

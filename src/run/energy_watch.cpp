@@ -106,12 +106,23 @@ void EnergyWatch::report_end(double t) const {
   tell_of_penalties();
   tell_of_flutter();
   tell_of_untouched();
+  tell_of_small_loads();
   if (!warning_.empty())
     check(PetscPrintf(comm, "impact: WARNING, first of its kind: %s; at the end %.3g\n", warning_.c_str(),
                       left));
   else if (s.energy_tol > 0 && std::abs(left) > s.energy_tol && stage_.ledger.energy_scale() >= least_)
     check(PetscPrintf(comm, "impact: WARNING: %s; %s\n", text(t, "energy_tol", s.energy_tol).c_str(),
                       remedy().c_str()));
+}
+
+void EnergyWatch::tell_of_small_loads() const {
+  if (stage_.ledger.unanswered() == 0) return;
+  PetscReal atol = 0;
+  check(SNESGetTolerances(stage_.coupling.motion_solver().snes(), &atol, nullptr, nullptr, nullptr, nullptr));
+  check(PetscPrintf(stage_.d.mesh.comm(),
+                    "impact: WARNING: in %d steps loads moved nothing, for they are less than the absolute "
+                    "tolerance of the motion, %.3g: give a smaller -motion_snes_atol\n",
+                    stage_.ledger.unanswered(), static_cast<double>(atol)));
 }
 
 // The update of a step closes gaps as an impact of plastic bodies does. Points that strike one after the

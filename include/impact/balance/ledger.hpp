@@ -81,6 +81,9 @@ public:
     return {sum(contact_store), sum(contact_loss), sum(gap_work),
             energies_.total.elastic - energies_before_.total.elastic};
   }
+  /// Steps of this process in which no iteration answered loads, for what they leave is less than the
+  /// absolute tolerance of the motion.
+  int unanswered() const { return unanswered_; }
   const Energies& energies() const { return energies_; }
 
 private:
@@ -125,6 +128,7 @@ private:
   }
   void measure(Vec u, Vec v, bool trial);
   double book_foundations(const StepWork& work);
+  void note_loads(const StepRecord& step);
   void book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u, bool watched);
   void book_points(const StepRecord& step, const DamageLosses& by_damage, double work_unilateral);
   void book_damage(const StepRecord& step, const DamageLosses& lost);
@@ -155,6 +159,7 @@ private:
   std::optional<HeatBook> heat_;
   Energies energies_, energies_before_;
   double coupling_error_ = 0;
+  int unanswered_ = 0;
   bool springs_apart_ = false; // surfaces overlapped at the start of a run without inertia
 };
 

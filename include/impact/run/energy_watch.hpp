@@ -23,6 +23,7 @@ private:
   void tell_of_penalties() const;
   void tell_of_flutter() const;
   void tell_of_untouched() const;
+  void tell_of_small_loads() const;
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
   std::string step_remedy() const;
