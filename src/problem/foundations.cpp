@@ -138,6 +138,7 @@ template <class Body, class Done> void Foundations::visit(Body&& body, Done&& do
 }
 
 double Foundations::add_springs(const std::vector<double>& u, double sign, std::vector<double>& force) const {
+  if (!springs()) return 0;
   FacetVector load{};
   double energy = 0;
   visit(
@@ -207,7 +208,7 @@ void Foundations::add_resultants(const std::vector<double>& u, const std::vector
 
 // x . K x = sum of k dA (sum_a N_a x_a)^2, at most that of k dA sum_b |N_b| sum_a |N_a| |x_a|^2.
 double Foundations::frequency(Vec lumped_mass) const {
-  if (empty_) return 0;
+  if (!springs()) return 0;
   std::vector<double> felt = d_.scalar.make_local();
   visit(
       [&](const Surface&, const FacetPlaces& n, const FacetPoint& p, const Point& point, const double*) {

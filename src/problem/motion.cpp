@@ -272,10 +272,11 @@ void MotionProblem::loads(Vec u, Handle<Vec>& external) {
 }
 
 void MotionProblem::add_foundations(ForceParts& parts, bool dashpots) {
-  if (foundations_.empty()) return;
-  std::fill(r_.begin(), r_.end(), 0.0);
-  parts.sprung = foundations_.add_springs(u_, 1, r_);
-  d_.displacement.add_to_global(r_, parts.external);
+  if (foundations_.springs()) {
+    std::fill(r_.begin(), r_.end(), 0.0);
+    parts.sprung = foundations_.add_springs(u_, 1, r_);
+    d_.displacement.add_to_global(r_, parts.external);
+  }
   if (!foundations_.damps()) return;
   if (!parts.damping) parts.damping = d_.displacement.make_global();
   if (!dashpots) return check(VecSet(parts.damping, 0));

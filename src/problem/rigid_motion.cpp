@@ -159,7 +159,7 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
 }
 
 // [body][mode][mode]: sum over the prescribed dofs and the places on foundations of the modes' products
-// there. Its null space are the rigid motions that no prescribed dof feels.
+// there. Its null space are the rigid motions that nothing of it feels.
 std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& boundary, const Bodies& bodies,
                                   const Geometry& geometry, const RigidBodies& rigid) {
   const int modes = mode_count(d.frame), dim = d.dim();
@@ -169,18 +169,7 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
   };
-  const auto X = d.mesh.coordinates();
-  for (const FixedDof& fixed : boundary.fixed()) {
-    const int node = fixed.dof / dim;
-    if (!d.mesh.owned(node)) continue;
-    const auto b = at(bodies.of_node[at(node)]);
-    double x[3] = {0, 0, 0}, mode[6];
-    for (int k = 0; k < dim; ++k)
-      x[k] = (X[at(node * dim + k)] - geometry.centre[b][at(k)]) / geometry.size[b];
-    rigid_modes(d.frame, x, fixed.component, mode);
-    add(b, mode);
-  }
-  Foundations(d, boundary).visit_held([&](int node, const double* place, const double* direction) {
+  const auto hold = [&](int node, const double* place, const double* direction) {
     const auto b = at(bodies.of_node[at(node)]);
     double x[3] = {0, 0, 0}, mode[6], along[6] = {};
     for (int k = 0; k < dim; ++k) x[k] = (place[k] - geometry.centre[b][at(k)]) / geometry.size[b];
@@ -189,7 +178,14 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
       for (int i = 0; i < modes; ++i) along[i] += direction[k] * mode[i];
     }
     add(b, along);
-  });
+  };
+  for (const FixedDof& fixed : boundary.fixed()) {
+    const int node = fixed.dof / dim;
+    Vector3 direction{};
+    direction[at(fixed.component)] = 1;
+    if (d.mesh.owned(node)) hold(node, &d.mesh.coordinates()[at(node * dim)], direction.data());
+  }
+  Foundations(d, boundary).visit_held(hold);
   sum_over_ranks(d.mesh.comm(), gram);
   // What is prescribed of a rigid body belongs to its centre of mass.
   for (const RigidBody& body : rigid.bodies()) {

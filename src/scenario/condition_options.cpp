@@ -60,15 +60,14 @@ void add_foundation(Rows<Bc>& row) {
                        const std::string& about) -> auto& {
     return row.expression(name, place, quantity, not_negative, about + "; an expression of x, y, z")
         .refused([](const Bc& bc) { return bc.type != BcType::foundation; },
-                 "has no meaning for this type; allowed with type foundation")
+                 meaningless + "allowed with type foundation")
         .refused([=](const Bc& bc) { return place(bc) && place(bc)->asks_for_time(); },
                  "does not change with t; allowed: an expression of x, y, z");
   };
   add(
       "stiffness", [](auto& bc) -> auto& { return bc.stiffness[0]; }, "Pa/m k_n (3')",
       "springs of a foundation against displacement along the normal of the undeformed surface: traction "
-      "over "
-      "displacement")
+      "over displacement")
       .needed(
           [](const Bc& bc) {
             return bc.type == BcType::foundation && !bc.stiffness[0] && !bc.stiffness[1] && !bc.damping[0] &&

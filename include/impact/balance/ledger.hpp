@@ -115,7 +115,8 @@ private:
   };
   /// Dissipated since t = 0 in one material.
   enum Loss { viscous_loss, damage_loss, plastic_loss, fatigue_part, losses };
-  /// What springs store, what dashpots took since t = 0: of a row of its own, which comes and goes with them.
+  /// What springs store, what dashpots took since t = 0: of a row of its own, so that a run may begin or let
+  /// go foundations at a restart.
   struct FoundationSum {
     enum { store, loss, count };
   };
@@ -140,7 +141,7 @@ private:
   double gain() const;
   bool loses_by_viscosity() const { return motion_.discretisation().has_viscosity() || choice_.viscous; }
   double eroded(int which) const;         // a component of ErosionTotals, 0 where nothing erodes
-  double of_foundations(int which) const; // of FoundationSum, 0 without any
+  double of_foundations(int which) const; // a component of FoundationSum
   double stored() const;
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }

@@ -82,12 +82,12 @@ struct Discretisation {
     return std::any_of(materials.begin(), materials.end(),
                        [](const auto& m) { return m.law.fatigues() || m.fatigue.works(); });
   }
-  /// Whether a toughness follows rate or temperature.
   /// Whether points keep the energies that drive damage and what laws that soften have stored: the row
   /// "drive".
   bool has_drive() const {
     return has_damage() || any_law([](const PointLaw& law) { return law.softens(); });
   }
+  /// Whether a toughness follows rate or temperature.
   bool has_toughness() const {
     return std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.toughness.works(); });
   }

@@ -21,8 +21,9 @@ public:
   /// leave their bodies. Collective.
   Foundations(const Discretisation& discretisation, const BoundaryData& boundary);
 
-  bool empty() const { return empty_; } ///< alike on all ranks
-  bool damps() const { return damps_; } ///< the same: has dashpots
+  bool empty() const { return empty_; }                ///< alike on all ranks
+  bool springs() const { return softest_ < HUGE_VAL; } ///< the same: has springs
+  bool damps() const { return damps_; }                ///< the same: has dashpots
   /// The least stiffness of springs, traction over displacement; infinite without. Alike on all ranks.
   double softest() const { return softest_; }
 
