@@ -159,14 +159,13 @@ void EdgePointForm::sharpen(int facet, std::size_t number, const ContactValues& 
 }
 
 template <>
-EdgePointForm::Row EdgePointForm::gap_gradient(int, std::size_t number, const std::vector<double>&,
-                                               const Seen& seen) const {
+EdgePointForm::Row EdgePointForm::gap_gradient(const Facet&, std::size_t number, const Seen& seen) const {
   return impact::gap_gradient(shape_of(points_.shape[number]), seen.foot);
 }
 
 template <>
-void EdgePointForm::add_gap_hessian(int, std::size_t number, const std::vector<double>&, const Seen& seen,
-                                    double factor, Matrix& hessian) const {
+void EdgePointForm::add_gap_hessian(const Facet&, std::size_t number, const Seen& seen, double factor,
+                                    Matrix& hessian) const {
   const std::array<double, 64> H = gap_hessian(shape_of(points_.shape[number]), seen.edge, seen.foot);
   for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor * H[i];
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <impact/contact/interface.hpp>
 #include <impact/math/index.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -107,8 +108,8 @@ ContactInterface::Vector ContactInterface::add_residual(Vec u, double scale, Vec
     if (!c.active) return;
     const auto add = [&](double times, const double* gradient) {
       for (int node : c.node) {
-        double* const to = &f[constraints_->dof(node, 0)];
-        for (std::size_t k = 0; k < m; ++k) to[k] += times * *gradient++;
+        add_components(m, times, gradient, &f[constraints_->dof(node, 0)]);
+        gradient += m;
       }
     };
     const bool rubs = friction_.rubs(c);
@@ -131,15 +132,11 @@ void ContactInterface::add_carried(double scale, Vec r) const {
 }
 
 void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
-                                           std::vector<double>& of_bodies) const {
+                                           StiffnessBound& bound) const {
+  std::vector<double>& size = bound.size;
   const std::size_t m = constraints_->dim(), nodes = c.gradient.size() / m;
   const auto body_at = [&](std::size_t i) {
     return rigid_nodes_.empty() ? -1 : rigid_nodes_.body(c.node[i]);
-  };
-  const auto size = [&](std::size_t node) {
-    double square = 0;
-    for (std::size_t k = 0; k < m; ++k) square += c.gradient[m * node + k] * c.gradient[m * node + k];
-    return std::sqrt(square);
   };
   const auto is_first_of_body = [&](std::size_t i) {
     for (std::size_t j = 0; j < i; ++j)
@@ -149,18 +146,21 @@ void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<doub
   Constraint next = c; // deeper by as much as in the last step
   next.gap -= constraints_->form().search().motion();
   double sum = 0;
-  for (std::size_t i = 0; i < nodes; ++i)
-    if (const int body = body_at(i); body < 0)
-      sum += size(i);
-    else if (is_first_of_body(i))
-      sum += push_on_body(c, body);
-  const double stiffness = c.weight * method().stiffness(next) * sum;
+  size.assign(nodes, 0.0);
   for (std::size_t i = 0; i < nodes; ++i) {
-    if (const int body = body_at(i); body < 0)
-      for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += stiffness * size(i);
-    else if (is_first_of_body(i))
-      of_bodies[at(body)] += stiffness * push_on_body(c, body);
+    if (const int body = body_at(i); body < 0) {
+      size[i] = std::sqrt(square_of_components(m, &c.gradient[m * i]));
+    } else if (is_first_of_body(i)) {
+      size[i] = push_on_body(c, body);
+    }
+    sum += size[i];
   }
+  const double stiffness = c.weight * method().stiffness(next) * sum;
+  for (std::size_t i = 0; i < nodes; ++i)
+    if (const int body = body_at(i); body >= 0)
+      bound.of_bodies[at(body)] += stiffness * size[i];
+    else
+      stiff[at(c.node[i])] += stiffness * size[i];
 }
 
 // The largest of the gap's and the slips' gradients by the motion of a rigid body, F by its translation and T

@@ -6,6 +6,7 @@
 #include <impact/petsc/entries.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <utility>
 
 /// Augmentation of a ContactInterface, and its totals after an accepted step.
 namespace impact {
@@ -154,28 +155,49 @@ ConstraintFilter ContactInterface::ending() const {
   };
 }
 
-void ContactInterface::end_step(Vec u_n, Vec u, Vec f, StiffnessBound* bound, Tally& tally) {
+// The dofs of its nodes, on whatever rank those stand, and those that hold forces of earlier steps.
+void ContactInterface::find_reached() {
+  if (reached_after_ == searches_) return;
+  reached_after_ = searches_;
+  reached_.clear();
+  if (!pushed_) pushed_ = layout_->make_global();
+  nodes().exchange.add(std::vector<double>(nodes().X.size(), 1.0), pushed_);
+  WritableEntries of_nodes(pushed_);
+  layout_->for_each_owned([&](PetscInt place, std::size_t local) {
+    if (std::exchange(of_nodes[place], 0.0) != 0 || force_->committed[local] != 0 ||
+        carried_->committed[local] != 0)
+      reached_.push_back({place, local});
+  });
+  for (StateRow* row : {force_, carried_}) row->trial = row->committed; // 0 elsewhere
+}
+
+void ContactInterface::end_step(Vec u_n, Vec u, Vec force, StiffnessBound* bound, Tally& tally) {
   end_.emplace();
   friction_.begin_end();
-  std::vector<double> stiff(bound ? constraints_->dim() * nodes().global.size() : 0, 0.0);
-  check(VecSet(f, 0));
-  end_->force = add_residual(u, 1, f, ending(), [&](const Constraint& c) {
+  find_reached();
+  std::vector<double> stiff(bound ? nodes().global.size() : 0, 0.0); // at all dofs of a node
+  end_->force = add_residual(u, 1, pushed_, ending(), [&](const Constraint& c) {
     add_step(c, *end_);
     friction_.note_end(c);
     if (!bound || !c.active) return;
-    add_stiffness_bound(c, stiff, bound->of_bodies);
+    add_stiffness_bound(c, stiff, *bound);
     bound->deepest = std::max(bound->deepest, (-c.gap - c.kept) / constraints_->form().sight(c.index));
   });
-  if (bound) nodes().exchange.add(stiff, bound->of_nodes);
-  layout_->owned_to_local(f, force_->trial);
-  const ScratchVec mean = layout_->scratch(), du = layout_->scratch();
-  check(VecWAXPY(du, -1, u_n, u));
-  layout_->to_global(force_->committed, mean);
-  check(stabilised() ? VecAXPBY(mean, 2, 0, f) : VecAXPY(mean, 1, f));
-  const Entries forces(mean), ways(du);
-  PetscInt count = 0;
-  check(VecGetLocalSize(du, &count));
-  for (PetscInt i = 0; i < count; ++i) end_->force_times_way += forces[i] * ways[i];
+  if (bound) {
+    std::vector<double> of_dofs(nodes().X.size());
+    for (std::size_t i = 0; i < of_dofs.size(); ++i) of_dofs[i] = stiff[i / constraints_->dim()];
+    nodes().exchange.add(of_dofs, bound->of_nodes);
+  }
+  const Entries before(u_n), now(u);
+  WritableEntries f(pushed_);
+  std::optional<WritableEntries> sum;
+  if (force) sum.emplace(force);
+  for (const auto& [place, local] : reached_) {
+    const double at_end = std::exchange(f[place], 0.0), at_start = force_->committed[local];
+    force_->trial[local] = at_end;
+    end_->force_times_way += (at_end + (stabilised() ? at_end : at_start)) * (now[place] - before[place]);
+    if (sum) (*sum)[place] -= at_end;
+  }
   tally.sum(end_->numbers());
 }
 
@@ -183,7 +205,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   if (eased_) rows_.penalty->trial[EnforcementRows::value] = settings_.penalty; // nothing was touched
   if (!end_) {
     Tally tally(mesh_->comm());
-    end_step(u_n, u, layout_->scratch(), nullptr, tally);
+    end_step(u_n, u, nullptr, nullptr, tally);
     tally.reduce();
   }
   const ContactSums sum = *end_;
@@ -197,8 +219,9 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
     now.force[k] = force[k];
     if (!at_rest_) now.carried[k] = share_.carried(force[k], Y_n);
   }
-  for (std::size_t i = 0; !at_rest_ && i < carried_->trial.size(); ++i)
-    carried_->trial[i] = share_.carried(force_->trial[i], carried_->committed[i]);
+  if (!at_rest_)
+    for (const ReachedDof& dof : reached_)
+      carried_->trial[dof.local] = share_.carried(force_->trial[dof.local], carried_->committed[dof.local]);
   *now.work = *before.work - sum.force_times_way / 2;
   const Vector obstacle = rigid_displacement(settings_, mesh_->dim(), time_);
   std::copy(obstacle.begin(), obstacle.end(), now.obstacle);

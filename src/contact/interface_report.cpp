@@ -4,6 +4,7 @@
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/math/index.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <limits>
@@ -51,7 +52,7 @@ void ContactInterface::add_force(const Constraint& c, const Tangential& traction
   const std::size_t d = constraints_->dim(), n = c.gradient.size();
   const auto add = [&](double times, const double* gradient) {
     for (std::size_t node = 0; node < c.share.size(); ++node)
-      for (std::size_t k = 0; k < d; ++k) force[k] += times * *gradient++;
+      add_components(d, times, gradient + d * node, force.data());
   };
   add(c.weight * c.pressure, c.gradient.data());
   for (std::size_t a = 0; traction != Tangential{} && a < constraints_->tangents(); ++a)

@@ -165,6 +165,7 @@ void ContactInterface::declare_state(StateTable& state) {
   totals_ = add_global("totals", 3 * dim + 4 + (gap != nullptr ? 1 : 0) + (frictional() ? 1 : 0));
   for (const auto& [row, what] : {std::pair(&force_, "force"), std::pair(&carried_, "carried")})
     *row = &state.add(StateRow{name + what, Support::vertex, dim}, at(dim * mesh_->node_count()));
+  force_->rewritten = carried_->rewritten = !settings_.iterated;
   rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] =
       settings_.penalty;
   put_obstacle(0);

@@ -230,12 +230,14 @@ bool PointForm<G>::may_touch(const Facet& facet, const Point& point, const Seen&
 
 template <class G> void PointForm<G>::look_around(const Facet& facet, const ContactValues& x) const {
   Surroundings& around = *facet.around;
+  if (around.balls.empty())
+    for (std::size_t slot = 0; slot < vertices().primary.size(); slot += width)
+      around.balls.emplace_back(corners_at<Nodes>(&vertices().primary[slot], x));
   around.near.clear();
   around.view.emplace(facet.node, facet.normal, SightLimits{search_.radius(), beyond, G::weight_sum});
   for (int c : search_.candidates().of(at(facet.number)))
-    if (typename G::Outline outline(corners_at<Nodes>(primary_slots(c), x), primary_corners(c), *around.view);
-        outline.in_sight())
-      around.near.emplace_back(c, outline);
+    if (const FacetBall<Place>& ball = around.balls[at(primary_part(c))]; around.view->sees(ball))
+      around.near.push_back({c, &ball, {}});
 }
 
 // What lies before the point, or behind it: the nearest; beside the surface, what is next to it.
@@ -251,9 +253,12 @@ auto PointForm<G>::nearest(const Facet& facet, const Point& point, const Contact
   bool best_inside = false;
   const double equal = 1e-9 * secondary_.length[at(facet.number)];
   if (!facet.around->view) look_around(facet, x);
-  const auto line = facet.around->view->line(place_on(facet.node, point), normal_at(facet, point));
-  for (const auto& [c, outline] : facet.around->near) {
-    if (outline.misses(line)) continue;
+  const auto& view = *facet.around->view;
+  const auto line = view.line(place_on(facet.node, point), normal_at(facet, point));
+  for (auto& [c, ball, outline] : facet.around->near) {
+    if (view.misses(line, *ball)) continue;
+    if (!outline) outline.emplace(corners_at<Nodes>(primary_slots(c), x), primary_corners(c), view);
+    if (outline->misses(line)) continue;
     const Seen seen = look(facet, point, c, x);
     const double least = least_part(seen.foot);
     if (!(least >= -beyond) || !may_touch(facet, point, seen)) continue;
@@ -286,11 +291,10 @@ template <class G> auto PointForm<G>::passed(const Facet&, const Point&, const C
   return {}; // may_touch says which
 }
 
-template <class G>
-auto PointForm<G>::ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const {
-  const int* slot = secondary_slots(facet);
-  return ray_between(corners_from<Nodes>(slot[0], slot, u), points_.shape[number],
-                     corners_from<Nodes>(slot[0], primary_slots(seen.candidate), u));
+template <class G> auto PointForm<G>::ray_of(const Facet& facet, std::size_t number, const Seen& seen) const {
+  const int origin = secondary_slots(facet.number)[0];
+  return ray_between(facet.from, points_.shape[number],
+                     corners_from<Nodes>(origin, primary_slots(seen.candidate), *facet.u));
 }
 
 template <class G> void PointForm<G>::sharpen(int, std::size_t, const ContactValues&, Seen&) const {
@@ -298,15 +302,14 @@ template <class G> void PointForm<G>::sharpen(int, std::size_t, const ContactVal
 }
 
 template <class G>
-auto PointForm<G>::gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const
-    -> Row {
-  return ray_gradient(ray_of(facet, number, u, seen), seen.foot);
+auto PointForm<G>::gap_gradient(const Facet& facet, std::size_t number, const Seen& seen) const -> Row {
+  return ray_gradient(ray_of(facet, number, seen), seen.foot);
 }
 
 template <class G>
-void PointForm<G>::add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen,
-                                   double factor, Matrix& hessian) const {
-  add_ray_hessian(ray_of(facet, number, u, seen), seen.foot, factor, hessian);
+void PointForm<G>::add_gap_hessian(const Facet& facet, std::size_t number, const Seen& seen, double factor,
+                                   Matrix& hessian) const {
+  add_ray_hessian(ray_of(facet, number, seen), seen.foot, factor, hessian);
 }
 
 template class PointForm<FacePoints>;

@@ -42,18 +42,14 @@ SpanWeights<CurvedRay<Facet>::dim, Facet::nodes> weights_of_secondary(const Curv
   }
   return w;
 }
-// Of the primary nodes, for the plane that touches their facet at a place.
+// Of all nodes, those of the primary for the plane that touches their facet at a place.
 template <class Ray>
-void weigh_primary(const typename Ray::Place& place, SpanWeights<Ray::dim, Ray::nodes>& w) {
+SpanWeights<Ray::dim, Ray::nodes> weights_of(const Ray& ray, const typename Ray::Place& place) {
+  auto w = weights_of_secondary(ray);
   for (std::size_t a = 0; a < Ray::nodes; ++a) {
     w[0][Ray::nodes + a] = place.N[a];
     for (std::size_t i = 0; i + 1 < Ray::dim; ++i) w[Ray::dim + i][Ray::nodes + a] = place.dN[a][i];
   }
-}
-template <class Ray>
-SpanWeights<Ray::dim, Ray::nodes> weights_of(const Ray& ray, const typename Ray::Place& place) {
-  auto w = weights_of_secondary(ray);
-  weigh_primary<Ray>(place, w);
   return w;
 }
 
@@ -103,35 +99,38 @@ template <class Facet> auto bends_at(const CurvedRay<Facet>&, const typename Fac
   return second_derivatives<Facet>(xi);
 }
 
-// Adds the nodes of one facet, first in the weights, to vectors, seen from the secondary's first node: the
-// weights of each vector add to zero.
+// Where nodes stand seen from the secondary's first one: the weights of each vector add to zero.
 template <std::size_t dim, std::size_t nodes>
-void add_nodes(const std::array<double, 2 * nodes>& w, std::size_t first,
-               const std::array<std::array<double, dim>, nodes>& node, const std::array<double, dim>& origin,
-               std::array<double, dim>& y) {
-  for (std::size_t a = 0; a < nodes; ++a)
-    for (std::size_t i = 0; i < dim; ++i) y[i] += w[first + a] * (node[a][i] - origin[i]);
+std::array<std::array<double, dim>, nodes> seen_from(const std::array<double, dim>& origin,
+                                                     std::array<std::array<double, dim>, nodes> node) {
+  for (auto& place : node)
+    for (std::size_t k = 0; k < dim; ++k) place[k] -= origin[k];
+  return node;
 }
-// What the secondary nodes make of the vectors, and what the primary ones add.
+// What the secondary nodes make of the vectors, and what the primary ones add, so seen, at a place.
 template <std::size_t dim, std::size_t nodes>
 Spans<double, dim> secondary_spans(const SpanWeights<dim, nodes>& w,
                                    const std::array<std::array<double, dim>, nodes>& x) {
   Spans<double, dim> y{};
-  for (std::size_t k = 0; k < dim; ++k) add_nodes<dim, nodes>(w[k], 0, x, x[0], y[k]);
+  for (std::size_t v = 0; v < dim; ++v)
+    for (std::size_t a = 1; a < nodes; ++a)
+      for (std::size_t k = 0; k < dim; ++k) y[v][k] += w[v][a] * (x[a][k] - x[0][k]);
   return y;
 }
-template <std::size_t dim, std::size_t nodes>
-void add_primary(const SpanWeights<dim, nodes>& w, const std::array<std::array<double, dim>, nodes>& p,
-                 const std::array<double, dim>& origin, Spans<double, dim>& y) {
-  add_nodes<dim, nodes>(w[0], nodes, p, origin, y[0]);
-  for (std::size_t k = dim; k < vectors<dim>; ++k) add_nodes<dim, nodes>(w[k], nodes, p, origin, y[k]);
+template <class Place, std::size_t dim, std::size_t nodes>
+void add_primary(const Place& place, const std::array<std::array<double, dim>, nodes>& p,
+                 Spans<double, dim>& y) {
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (std::size_t k = 0; k < dim; ++k) {
+      y[0][k] += place.N[a] * p[a][k];
+      for (std::size_t i = 0; i + 1 < dim; ++i) y[dim + i][k] += place.dN[a][i] * p[a][k];
+    }
 }
-template <std::size_t dim, std::size_t nodes>
-Spans<double, dim> spans_of(const SpanWeights<dim, nodes>& w,
-                            const std::array<std::array<double, dim>, nodes>& x,
-                            const std::array<std::array<double, dim>, nodes>& p) {
-  Spans<double, dim> y = secondary_spans<dim, nodes>(w, x);
-  add_primary<dim, nodes>(w, p, x[0], y);
+template <class Ray>
+Spans<double, Ray::dim> spans_of(const Ray& ray, const SpanWeights<Ray::dim, Ray::nodes>& w,
+                                 const typename Ray::Place& place) {
+  Spans<double, Ray::dim> y = secondary_spans(w, ray.x);
+  add_primary(place, seen_from(ray.x[0], ray.p), y);
   return y;
 }
 
@@ -240,14 +239,14 @@ void add_hessian(const SpanWeights<dim, nodes>& w, const Spans<double, dim>& at,
 template <std::size_t dim>
 std::array<std::array<double, dim>, dim - 1> dual_sides(const Spans<double, dim>& y,
                                                         const std::array<double, dim>& m) {
-  const double square = dot(m, m);
+  const double inverse = 1 / dot(m, m);
   std::array<std::array<double, dim>, dim - 1> dual;
   if constexpr (dim == 3)
     dual = {cross(y[4], m), cross(m, y[3])};
   else
     dual = {y[2]};
   for (auto& vector : dual)
-    for (double& component : vector) component /= square;
+    for (double& component : vector) component *= inverse;
   return dual;
 }
 
@@ -261,15 +260,14 @@ template <class Ray> RayFoot<Ray> cast_ray(const Ray& cast, const typename Ray::
   RayFoot<Ray> foot;
   foot.xi = start;
   bool found = false;
-  auto w = weights_of_secondary(cast);
-  const Spans<double, dim> of_secondary = secondary_spans<dim, Ray::nodes>(w, cast.x);
+  const Spans<double, dim> of_secondary = secondary_spans(weights_of_secondary(cast), cast.x);
+  const auto p = seen_from(cast.x[0], cast.p);
   Gap<double, dim> ray;
   aim<double, dim>(of_secondary, ray);
   for (int i = 0; i < most_steps; ++i) {
     foot.place = place_at(cast, foot.xi);
-    weigh_primary<Ray>(foot.place, w);
     Spans<double, dim> y = of_secondary;
-    add_primary<dim, Ray::nodes>(w, cast.p, cast.x[0], y);
+    add_primary(foot.place, p, y);
     meet<double, dim>(y, ray);
     foot.gap = ray.gap;
     if (found) {
@@ -298,7 +296,7 @@ template <class Ray> std::array<double, Ray::dofs> ray_gradient(const Ray& ray, 
   // The foot moves in the plane that touches the facet there, to first order.
   constexpr std::size_t dim = Ray::dim;
   const auto w = weights_of(ray, foot.place);
-  return row_of<dim, Ray::nodes>(w, gradient_of<double, dim>(spans_of(w, ray.x, ray.p)));
+  return row_of<dim, Ray::nodes>(w, gradient_of<double, dim>(spans_of(ray, w, foot.place)));
 }
 
 template <class Ray>
@@ -308,7 +306,7 @@ void add_ray_hessian(const Ray& ray, const RayFoot<Ray>& foot, double factor, st
   constexpr std::size_t dim = Ray::dim, nodes = Ray::nodes, dofs = Ray::dofs;
   const auto d2N = bends_at(ray, foot.xi);
   const auto w = weights_of(ray, foot.place);
-  const Spans<double, dim> y = spans_of(w, ray.x, ray.p), dg = gradient_of<double, dim>(y);
+  const Spans<double, dim> y = spans_of(ray, w, foot.place), dg = gradient_of<double, dim>(y);
   add_hessian<dim, nodes>(w, y, factor, hessian);
   const Gap<double, dim> at = gap_of<double, dim>(y);
   const auto dual = dual_sides<dim>(y, at.m);

@@ -245,13 +245,14 @@ void BoundaryData::set_displacement(double t0, double t1, const std::vector<doub
 
 void BoundaryData::set_exact_velocity(double t0, double t1, const std::vector<double>& v_n,
                                       std::vector<double>& v) const {
-  for (const FixedDof& fixed : fixed_) {
-    const BoundaryCondition& bc = conditions_[at(fixed.condition)];
-    if (bc.type != BcType::acceleration || !bc.component[fixed.component]) continue;
-    const auto i = at(fixed.dof);
-    const double* x = &x_[at(fixed.dof / dim_ * dim_)];
-    v[i] = v_n[i] + integral(*bc.component[fixed.component], x, dim_, t0, t1);
-  }
+  for (const FixedDof& fixed : fixed_)
+    if (const auto i = at(fixed.dof); has_acceleration(fixed)) v[i] = exact_velocity(fixed, t0, t1, v_n[i]);
+}
+
+double BoundaryData::exact_velocity(const FixedDof& fixed, double t0, double t1, double v_n) const {
+  if (!has_acceleration(fixed)) return v_n;
+  const Expression& data = *conditions_[at(fixed.condition)].component[fixed.component];
+  return v_n + integral(data, &x_[at(fixed.dof / dim_ * dim_)], dim_, t0, t1);
 }
 
 void BoundaryData::set_initial_rates(double start, double dt, std::vector<double>& v,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <impact/petsc/entries.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
@@ -12,7 +13,7 @@ ExplicitContact::ExplicitContact(MotionProblem& motion)
       on_bodies_(motion.rigid().bodies().size()) {
   if (motion.contacts().empty()) return;
   const FieldLayout& layout = motion.discretisation().displacement;
-  for (Handle<Vec>* made : {&stiffness_, &residual_}) *made = layout.make_global();
+  stiffness_ = layout.make_global();
   if (std::none_of(motion.contacts().begin(), motion.contacts().end(),
                    [](const ContactInterface& contact) { return contact.by_impulse(); }))
     return;
@@ -27,7 +28,6 @@ void ExplicitContact::expose(Vec u) {
 void ExplicitContact::find_forces(Vec u_n, Vec u, Vec force) {
   check(VecSet(force, 0));
   if (!stiffness_) return;
-  check(VecSet(stiffness_, 0));
   at_work_ = {};
   std::fill(on_bodies_.begin(), on_bodies_.end(), 0.0);
   add_forces(u_n, u, false, force);
@@ -38,17 +38,20 @@ void ExplicitContact::add_forces(Vec u_n, Vec u, bool by_impulse, Vec force) {
   for (ContactInterface& contact : motion_.contacts()) {
     if (contact.by_impulse() != by_impulse) continue;
     StiffnessBound bound{stiffness_, on_bodies_};
-    contact.end_step(u_n, u, residual_, by_impulse ? nullptr : &bound, motion_.tally());
+    contact.end_step(u_n, u, force, by_impulse ? nullptr : &bound, motion_.tally());
     if (!contact.settings().rigid()) at_work_.deepest = std::max(at_work_.deepest, bound.deepest);
-    check(VecAXPY(force, -1, residual_));
   }
 }
 
 void ExplicitContact::find_frequency() {
-  check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
-  const Entries squares(stiffness_);
-  const PetscInt count = Get(VecGetLocalSize)(stiffness_);
-  for (PetscInt i = 0; i < count; ++i) at_work_.frequency = std::max(at_work_.frequency, squares[i]);
+  const Entries mass(motion_.lumped_mass());
+  WritableEntries stiffness(stiffness_);
+  const auto visit = [&](const auto& see) {
+    for (const ContactInterface& contact : motion_.contacts())
+      for (const ContactInterface::ReachedDof& dof : contact.reached()) see(dof.place);
+  };
+  visit([&](PetscInt i) { at_work_.frequency = std::max(at_work_.frequency, stiffness[i] / mass[i]); });
+  visit([&](PetscInt i) { stiffness[i] = 0; });
   motion_.tally().largest(at_work_.numbers());
 }
 

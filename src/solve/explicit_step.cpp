@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/entries.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/solve/explicit_step.hpp>
 #include <impact/time/types.hpp>
+#include <optional>
 
 namespace impact {
 
@@ -158,29 +160,23 @@ void ExplicitStep::prescribe(const Rates& now, Vec a) {
   const BoundaryData& boundary = motion_.boundary();
   const int dim = d.dim();
   if (boundary.fixed().empty()) return;
-  auto& [u, v, before, goal, speed] = work_.held; // of the nodes that are owned
-  for (std::vector<double>* values : {&u, &v, &before}) values->resize(d.node_values(dim));
-  d.displacement.owned_to_local(now.u, u);
-  d.displacement.owned_to_local(now.v, v);
-  if (now.a) d.displacement.owned_to_local(now.a, before);
   const std::vector<double>& rate = state_.row("prescribed_velocity").committed;
-  goal = u;
-  speed = rate;
-  if (now.a) boundary.set_exact_velocity(now.t - now.dt, now.t, rate, speed);
-  boundary.set_displacement(now.t, now.t + now.dt, u, speed, goal);
-  double* values = nullptr;
   const PetscInt start = first_of(a);
-  check(VecGetArray(a, &values));
+  const Entries u(now.u), v(now.v);
+  std::optional<Entries> before;
+  if (now.a) before.emplace(now.a);
+  WritableEntries values(a);
   for (const FixedDof& fixed : boundary.fixed()) {
     const int node = fixed.dof / dim;
     if (!d.mesh.owned(node)) continue;
-    const std::size_t i = at(fixed.dof);
-    const double needed = (goal[i] - u[i] - now.dt * v[i]) / (now.dt * now.dt);
+    const PetscInt i = d.mesh.global_node()[at(node)] * dim + fixed.component - start;
+    double speed = rate[at(fixed.dof)];
+    if (before) speed = boundary.exact_velocity(fixed, now.t - now.dt, now.t, speed);
+    const double goal = boundary.prescribed(fixed, now.t, now.t + now.dt, u[i], speed);
+    const double needed = (goal - u[i] - now.dt * v[i]) / (now.dt * now.dt);
     // v is that of the last step, to which half of both accelerations is still to be added
-    values[d.mesh.global_node()[at(node)] * dim + fixed.component - start] =
-        now.a ? needed - before[i] / 2 : 2 * needed;
+    values[i] = before ? needed - (*before)[i] / 2 : 2 * needed;
   }
-  check(VecRestoreArray(a, &values));
 }
 
 void ExplicitStep::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {

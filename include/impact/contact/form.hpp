@@ -180,9 +180,9 @@ protected:
     return &vertices().secondary[static_cast<std::size_t>(vertices().per_facet * facet)];
   }
   const int* primary_slots(int candidate) const {
-    const int part = parts_ * primary_facet(candidate) + candidate % parts_;
-    return &vertices().primary[static_cast<std::size_t>(vertices().per_facet * part)];
+    return &vertices().primary[static_cast<std::size_t>(vertices().per_facet * primary_part(candidate))];
   }
+  int primary_part(int candidate) const { return parts_ * primary_facet(candidate) + candidate % parts_; }
   /// The facet of a candidate pair, and its global nodes.
   int primary_facet(int candidate) const {
     return search_.candidates().facet[static_cast<std::size_t>(candidate / parts_)];

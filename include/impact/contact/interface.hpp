@@ -124,6 +124,7 @@ struct StiffnessBound {
   Vec of_nodes;
   std::vector<double>& of_bodies; ///< [rigid body]
   double deepest = 0;
+  std::vector<double> size = {}; ///< work: |dg_i| of one constraint
 };
 
 /// More functions and members than usual: the face of one contact towards the solution of a step, the heat
@@ -253,9 +254,18 @@ public:
   /// lambda <- <lambda - eps g> for every constraint, 0 where it faces nothing, as the method has it.
   AugmentReport augment(Vec u);
 
-  /// The step from u_n ends at u: f = what add_residual would add, and in the same visit of the constraints
-  /// what `step` and `advance` will ask for, once `tally` has been reduced. Collective.
-  void end_step(Vec u_n, Vec u, Vec f, StiffnessBound* bound, Tally& tally);
+  /// The step from u_n ends at u: force, unless it is null, loses what add_residual would add, and in the
+  /// same visit of the constraints it is found what `step` and `advance` will ask for, once `tally` has been
+  /// reduced. Collective.
+  void end_step(Vec u_n, Vec u, Vec force, StiffnessBound* bound, Tally& tally);
+  /// A dof of this rank that the contact may push: its place among those of a global vector here, and in a
+  /// local array.
+  struct ReachedDof {
+    PetscInt place;
+    std::size_t local;
+  };
+  /// All of them, at the end of the last step: what concerns a contact need not pass over a whole mesh.
+  const std::vector<ReachedDof>& reached() const { return reached_; }
   /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule; of
   /// a stabilised step the momentum gained, and the work of the force at its end. A call with u_n = u and dt
   /// = 0 before the first step records the force of the start. Ends the step if that has not been done; else
@@ -306,6 +316,7 @@ private:
   void place_obstacle();
   void make_constraints(ContactSurface secondary, const ContactSurface& primary);
   void use_new_nodes(); // of the form
+  void find_reached();
   ObstaclePose pose() const;
   void visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
@@ -315,8 +326,7 @@ private:
   ConstraintFilter ending() const;
   void add_step(const Constraint& c, ContactSums& sums) const;
   void add_force(const Constraint& c, const Tangential& traction, Vector& force) const;
-  void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
-                           std::vector<double>& of_bodies) const;
+  void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff, StiffnessBound& bound) const;
   double push_on_body(const Constraint& c, int body) const;
   Vector total_force(Vec u) const;       // on the secondary side, not times the thickness. Collective
   Vector of_the_end(Vector force) const; // of that of a step, likewise
@@ -350,7 +360,10 @@ private:
   std::optional<ContactSums> end_; // of the step that ended, until it is accepted or another one begins
   Vector shock_{};                 // on the secondary side: impulse of the projection over dt
   Handle<Vec> last_force_;         // at the start of a step whose work is exact
-  double inertia_penalty_ = 0;     // over the mass shift
+  Handle<Vec> pushed_;             // forces of one visit, else zero
+  std::vector<ReachedDof> reached_;
+  long reached_after_ = -1;                                      // searches
+  double inertia_penalty_ = 0;                                   // over the mass shift
   double last_change_ = std::numeric_limits<double>::infinity(); // of the multipliers, in an augmentation
   double time_ = 0;                                              // of the attempt's end
   double mean_length_ = 0;                                       // of the secondary facets

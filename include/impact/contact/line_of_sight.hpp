@@ -10,13 +10,30 @@
 /// that a secondary facet may see, made once for all of its points. Of both kinds below
 ///   View     what the points of a secondary facet have in common,
 ///   Line     the line of sight of one of them,
-///   Outline  of a primary facet in such a view.
+///   Outline  of a primary facet in such a view, which has been found to see the ball about that facet.
 namespace impact {
 
 struct SightLimits {
   double far;     ///< nothing is seen farther ahead
   double beyond;  ///< part of a primary face by which it is continued beyond its sides
   double weights; ///< most that the weights of a facet's nodes come to without their signs, there
+};
+
+/// About the mean of a primary facet's nodes, with all of them in it.
+template <class Place> struct FacetBall {
+  template <class Nodes> explicit FacetBall(const Nodes& p) {
+    for (const Place& node : p)
+      for (std::size_t k = 0; k < centre.size(); ++k) centre[k] += node[k] / static_cast<double>(p.size());
+    double farthest = 0;
+    for (const Place& node : p) {
+      double square = 0;
+      for (std::size_t k = 0; k < centre.size(); ++k) square += (node[k] - centre[k]) * (node[k] - centre[k]);
+      farthest = std::max(farthest, square);
+    }
+    radius = std::sqrt(farthest);
+  }
+  Place centre{};
+  double radius;
 };
 
 /// Of a straight face in space: all its points look along one unit vector n, over the plane across it.
@@ -36,6 +53,18 @@ struct FaceView {
   Point3 from_origin(const Point3& x) const { return {x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]}; }
   Line across(const Point3& d) const { return {dot(across_normal[0], d), dot(across_normal[1], d)}; }
   Line line(const Point3& x, const Point3& /*n*/) const { return across(from_origin(x)); }
+  /// Whether any point of the face may see what lies in a ball.
+  bool sees(const FacetBall<Point3>& ball) const {
+    const Point3 d = from_origin(ball.centre);
+    const double along = dot(normal, d), wide = limits.weights * ball.radius + reach;
+    return dot(d, d) - along * along <= (1 + 1e-9) * wide * wide && along - wide <= limits.far;
+  }
+  /// Whether a line of sight passes a ball, with room for what its facet is beyond its sides.
+  bool misses(const Line& x, const FacetBall<Point3>& ball) const {
+    const Line centre = across(from_origin(ball.centre));
+    const double a = centre[0] - x[0], b = centre[1] - x[1], wide = limits.weights * ball.radius;
+    return a * a + b * b > wide * wide;
+  }
 
   Point3 origin{}, normal;
   std::array<Point3, 2> across_normal;
@@ -48,30 +77,14 @@ class FaceOutline {
 public:
   FaceOutline(const FaceCorners& p, int corners, const FaceView& view)
       : corners_(at(corners)), beyond_(view.limits.beyond) {
-    const double room = view.limits.weights;
-    double along = 0, deepest = 0;
-    std::array<double, 4> ahead;
     for (std::size_t c = 0; c < 4; ++c) {
-      const Point3 d = view.from_origin(p[c]);
-      seen_[c] = view.across(d);
+      seen_[c] = view.across(view.from_origin(p[c]));
       for (std::size_t k = 0; k < 2; ++k) middle_[k] += seen_[c][k] / 4;
-      ahead[c] = dot(view.normal, d);
-      along += ahead[c] / 4;
     }
-    for (std::size_t c = 0; c < 4; ++c) {
-      square_ = std::max(square_, square_to(seen_[c]));
-      deepest = std::max(deepest, std::abs(ahead[c] - along));
-    }
-    square_ *= room * room;
-    const double wide = std::sqrt(square_) + view.reach;
-    in_sight_ = square_to({}) <= wide * wide && along - room * deepest - view.reach <= view.limits.far;
   }
-  /// Whether any point of the facet may see it.
-  bool in_sight() const { return in_sight_; }
   /// Whether a line of sight passes it by more than the part `beyond` of a triangle, with room for what is
   /// bent; what is seen from its side is not judged.
   bool misses(const FaceView::Line& x) const {
-    if (square_to(x) > square_) return true;
     for (std::size_t t = 0; t < (corners_ == 3 ? 1 : corners_); ++t)
       if (!misses(x, t)) return false;
     return true;
@@ -80,10 +93,6 @@ public:
 private:
   using Line = FaceView::Line;
 
-  double square_to(const Line& x) const {
-    const double across = x[0] - middle_[0], up = x[1] - middle_[1];
-    return across * across + up * up;
-  }
   bool misses(const Line& x, std::size_t t) const {
     const Line p = from(x, seen_[t]), q = from(x, seen_[(t + 1) % corners_]),
                r = from(x, corners_ == 3 ? seen_[2] : middle_);
@@ -99,10 +108,9 @@ private:
   static double area(const Line& p, const Line& q) { return p[0] * q[1] - p[1] * q[0]; }
 
   std::size_t corners_;
-  double beyond_, square_ = 0; // square_: of the radius about the middle
+  double beyond_;
   std::array<Line, 4> seen_;
   Line middle_{};
-  bool in_sight_;
 };
 
 } // namespace impact

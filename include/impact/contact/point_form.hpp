@@ -99,10 +99,17 @@ public:
 private:
   void turn_slip(const ContactValues& u) override;
   void release() override { std::fill(holds_.begin(), holds_.end(), Hold()); }
-  // What the points of a secondary facet that look around share: made by the first one that does.
+  // What the points of a secondary facet that look around share, made by the first one that does; and what
+  // all facets share at these coordinates.
   struct Surroundings {
+    struct Near {
+      int candidate;
+      const FacetBall<Place>* ball;
+      std::optional<typename Geometry::Outline> outline; // once a line of sight meets the ball
+    };
     std::optional<typename Geometry::View> view;
-    std::vector<std::pair<int, typename Geometry::Outline>> near; // candidates in sight
+    std::vector<Near> near;              // candidates in sight
+    std::vector<FacetBall<Place>> balls; // of the primary facets
   };
   // A secondary facet at coordinates, and at the displacement seen from its first node, where that is known:
   // differences of displacements keep the digits that coordinates lose, and a penalty makes a pressure of
@@ -135,7 +142,8 @@ private:
   };
   struct Workspace {
     NodePlaces place;
-    std::vector<double> gradient, slip_gradient; // [node][dim], [direction][node][dim]
+    std::array<std::size_t, 2 * width> of_facets; // places of the nodes of both
+    std::vector<double> gradient, slip_gradient;  // [node][dim], [direction][node][dim]
     // Directions of slip, and the tangents that they were made of: those of a facet, or of a point.
     const TangentRows<dim, width>* tangents = nullptr;
     Nodes secondary{};
@@ -222,10 +230,10 @@ private:
   // With all digits.
   void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
   // Of points that look along their normal: the point and what it sees.
-  auto ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
+  auto ray_of(const Facet& facet, std::size_t number, const Seen& seen) const;
   // d(gap) and its second variation times a factor, over the dofs of both facets.
-  Row gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
-  void add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen, double factor,
+  Row gap_gradient(const Facet& facet, std::size_t number, const Seen& seen) const;
+  void add_gap_hessian(const Facet& facet, std::size_t number, const Seen& seen, double factor,
                        Matrix& hessian) const;
 
   void tie(const ContactValues& x, const ConstraintFilter& presses);
@@ -247,8 +255,8 @@ private:
                 Constraint& c) const;
   void add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
                       Constraint& c) const; // no plane
-  void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
-                        const ContactValues& u, Workspace& w, Constraint& c) const;
+  void add_gap_gradient(const Facet& facet, const Seen& seen, const CarriedFunction& to_obstacle,
+                        Workspace& w, Constraint& c) const;
   // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something and are
   // wanted.
   template <class Visitor>

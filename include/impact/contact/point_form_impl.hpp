@@ -191,7 +191,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
       c.share = share_of(number, f);
       const auto& spread = G::spread(point);
       c.spread = {spread.data(), c.share.size()};
-      visitor(c, f, seen, to_obstacle);
+      visitor(c, facet, seen, to_obstacle);
     }
   }
   if (keeps && !known) views_.at = x;
@@ -202,17 +202,22 @@ void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives, const 
                          const ConstraintFilter& wanted) const {
   const bool with_gradient = derivatives != Derivatives::none;
   Workspace w;
-  const auto complete = [&](Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
+  const auto complete = [&](Constraint& c, const Facet& facet, const Seen& seen,
+                            const CarriedFunction& to_obstacle) {
+    const int f = facet.number;
     NodePlaces& place = w.place;
     place.node.clear();
-    for (std::size_t a = 0; a < c.share.size(); ++a) place(secondary_slots(f)[a]);
-    for (std::size_t b = 0; seen.candidate >= 0 && b < width; ++b) place(primary_slots(seen.candidate)[b]);
+    const auto add = [&](const int* slot, std::size_t first) {
+      for (std::size_t a = 0; a < width; ++a) w.of_facets[first + a] = place(slot[a]);
+    };
+    add(secondary_slots(f), 0);
+    if (seen.candidate >= 0) add(primary_slots(seen.candidate), width);
     for (int slot : obstacle_.slots()) place.node.push_back(slot);
     SlipPlaces places;
     c.slides = slip_places(f, at(c.index), u, places);
     for (std::size_t b = 0; c.slides && !rigid() && b < width; ++b)
       place(anchors_[at(c.index)].opposite.slot[b]);
-    if (with_gradient) add_gap_gradient(f, seen, to_obstacle, u, w, c);
+    if (with_gradient) add_gap_gradient(facet, seen, to_obstacle, w, c);
     if (c.slides) add_slip(f, places, u, with_gradient, w, c);
     c.node = place.node;
     visitor(c);
@@ -221,18 +226,15 @@ void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives, const 
 }
 
 template <class G>
-void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
-                                    const ContactValues& u, Workspace& w, Constraint& c) const {
+void PointForm<G>::add_gap_gradient(const Facet& facet, const Seen& seen, const CarriedFunction& to_obstacle,
+                                    Workspace& w, Constraint& c) const {
   w.gradient.assign(dim * w.place.node.size(), 0.0);
   if (rigid()) {
     obstacle_.add_gradient(to_obstacle, c.share, obstacle_.shares(), 1, w.gradient.data());
   } else {
-    const Row of_facets = gap_gradient(facet, at(c.index), u, seen);
-    for (std::size_t a = 0; a < 2 * width; ++a) {
-      const int slot = a < width ? secondary_slots(facet)[a] : primary_slots(seen.candidate)[a - width];
-      const std::size_t place = dim * w.place(slot);
-      for (std::size_t k = 0; k < dim; ++k) w.gradient[place + k] += of_facets[dim * a + k];
-    }
+    const Row of_facets = gap_gradient(facet, at(c.index), seen);
+    for (std::size_t a = 0; a < 2 * width; ++a)
+      for (std::size_t k = 0; k < dim; ++k) w.gradient[dim * w.of_facets[a] + k] += of_facets[dim * a + k];
   }
   c.gradient = w.gradient;
 }
@@ -242,7 +244,9 @@ void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactor
                                    const BlockVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> block;
-  const auto add = [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
+  const auto add = [&](const Constraint& c, const Facet& facet, const Seen& seen,
+                       const CarriedFunction& to_obstacle) {
+    const int f = facet.number;
     const double of_gap = factors.of_gap(c.index);
     const Tangential of_slip = factors.of_slip(c.index);
     const int* secondary = secondary_slots(f);
@@ -262,7 +266,7 @@ void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactor
       visitor(node, block);
     } else if (of_gap != 0) {
       Matrix hessian{};
-      add_gap_hessian(f, at(c.index), u, seen, of_gap, hessian);
+      add_gap_hessian(facet, at(c.index), seen, of_gap, hessian);
       node.assign(secondary, secondary + width);
       node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + width);
       visitor(node, hessian);
@@ -290,8 +294,9 @@ template <class G>
 void PointForm<G>::visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> share;
-  visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction&) {
-    node.assign(secondary_slots(f), secondary_slots(f) + c.share.size());
+  visit_points(u, [&](const Constraint& c, const Facet& facet, const Seen& seen, const CarriedFunction&) {
+    const int* secondary = secondary_slots(facet.number);
+    node.assign(secondary, secondary + c.share.size());
     share.assign(c.share.begin(), c.share.end());
     if (seen.candidate >= 0) {
       const auto opposite = G::shares_of(seen);

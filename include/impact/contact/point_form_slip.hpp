@@ -149,17 +149,18 @@ void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with
     for (std::size_t k = 0; k < dim; ++k) c.slip[e] -= anchor.lean[e][k] * anchor.start[k];
   }
   for (std::size_t e = 0; with_gradient && e < dim - 1; ++e) {
-    const auto add = [&](int slot, const double* value) {
-      const std::size_t place = n * e + dim * w.place(slot);
+    const auto add = [&](std::size_t node, const double* value) {
+      const std::size_t place = n * e + dim * node;
       for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[place + k] += value[k];
     };
     const Row& row = slip.gradient[e];
-    for (std::size_t a = 0; a < width; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
-    for (std::size_t b = 0; !rigid() && b < width; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
+    for (std::size_t a = 0; a < width; ++a) add(w.of_facets[a], &row[dim * a]);
+    for (std::size_t b = 0; !rigid() && b < width; ++b)
+      add(w.place(anchor.opposite.slot[b]), &row[half + dim * b]);
     std::array<double, dim*(dim + 1)> by_carrier;
     obstacle_.chain(facet, &row[half], by_carrier.data());
     for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
-      add(obstacle_.slots()[b], &by_carrier[dim * b]);
+      add(w.place(obstacle_.slots()[b]), &by_carrier[dim * b]);
   }
 }
 

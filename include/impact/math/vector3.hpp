@@ -29,4 +29,14 @@ inline Vector3 unit(const Vector3& a) {
   return {a[0] / l, a[1] / l, a[2] / l};
 }
 
+/// Of vectors of two or three components, without the loop that a compiler unrolls for many.
+inline void add_components(std::size_t dim, double times, const double* of, double* to) {
+  to[0] += times * of[0];
+  to[1] += times * of[1];
+  if (dim == 3) to[2] += times * of[2];
+}
+inline double square_of_components(std::size_t dim, const double* of) {
+  return of[0] * of[0] + of[1] * of[1] + (dim == 3 ? of[2] * of[2] : 0.0);
+}
+
 } // namespace impact

@@ -23,6 +23,12 @@ public:
   void to_local(Vec global, std::vector<double>& local) const;
   /// Owned entries alone, without a message: ghosts keep what they have.
   void owned_to_local(Vec global, std::vector<double>& local) const;
+  /// call(place in this rank's part of a global vector, place in a local array) for each entry owned.
+  template <class Call> void for_each_owned(Call&& call) const {
+    for (const Row& row : owned_)
+      for (PetscInt i = 0; i < row.count * components_; ++i)
+        call(row.place * components_ + i, static_cast<std::size_t>(row.node * components_ + i));
+  }
   /// Adds a local array (contributions on ghosts included) into a global vector: one reverse message per
   /// neighbour. Collective.
   void add_to_global(const std::vector<double>& local, Vec global) const;

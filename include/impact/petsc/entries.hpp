@@ -18,4 +18,18 @@ private:
   const double* values_ = nullptr;
 };
 
+/// The same for writing.
+class WritableEntries {
+public:
+  explicit WritableEntries(Vec vec) : vec_(vec) { check(VecGetArray(vec_, &values_)); }
+  WritableEntries(const WritableEntries&) = delete;
+  WritableEntries& operator=(const WritableEntries&) = delete;
+  ~WritableEntries() { VecRestoreArray(vec_, &values_); }
+  template <class Index> double& operator[](Index i) { return values_[i]; }
+
+private:
+  Vec vec_;
+  double* values_ = nullptr;
+};
+
 } // namespace impact

@@ -65,6 +65,7 @@ public:
   /// points: exact to degree 9).
   void set_displacement(double t0, double t1, const std::vector<double>& u_n, const std::vector<double>& v_n,
                         std::vector<double>& u) const;
+  double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const; ///< of one
   /// Velocity and acceleration of the prescribed dofs at the start (one-sided differences of displacement
   /// data over a small part of dt). Dofs with acceleration data keep their velocity.
   void set_initial_rates(double start, double dt, std::vector<double>& v, std::vector<double>& a) const;
@@ -75,6 +76,8 @@ public:
   /// Velocity at t1 of dofs with acceleration data, integrated from v_n at t0 (the row
   /// "prescribed_velocity").
   void set_exact_velocity(double t0, double t1, const std::vector<double>& v_n, std::vector<double>& v) const;
+  /// Of one dof; others keep theirs.
+  double exact_velocity(const FixedDof& fixed, double t0, double t1, double v_n) const;
   void set_damage(double t, std::vector<double>& phi) const { set_held(damage_condition_, t, phi); }
   void set_temperature(double t, std::vector<double>& theta) const {
     set_held(temperature_condition_, t, theta);
@@ -111,7 +114,10 @@ private:
   std::vector<int> resolve_held(const Mesh& mesh, BcType type);
   void set_held(const std::vector<int>& holder, double t, std::vector<double>& field) const;
   template <class Wanted, class Body> void visit_groups(const Mesh& mesh, Wanted&& wanted, Body&& body) const;
-  double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const;
+  bool has_acceleration(const FixedDof& fixed) const {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
+    return bc.type == BcType::acceleration && bc.component[fixed.component];
+  }
 
   int dim_, node_count_;
   double smallest_edge_;

@@ -70,13 +70,12 @@ private:
   void find_frequency();
 
   MotionProblem& motion_;
-  Handle<Vec> residual_; // of one contact
   ContactImpulses impulses_;
   struct {
     Handle<Vec> before, free, force; // velocities
   } struck_;                         // with contacts by impulse
   double frequency_ = -1;            // negative: not known yet
-  Handle<Vec> stiffness_;            // of penalties at work
+  Handle<Vec> stiffness_;            // of penalties at work, zero between steps
   std::vector<double> on_bodies_;
   /// Of the last forces; `deepest`, in depths at which facets are lost.
   struct {

@@ -85,10 +85,7 @@ private:
     Handle<Vec> u_n;
     Handle<Vec> inverse_mass; ///< 0 at prescribed dofs
     Handle<Vec> change;       ///< of the internal force by damage
-    struct {
-      std::vector<double> u, v, before, goal, speed;
-    } held; ///< of prescribed dofs, [node][dim]
-  } work_;  ///< each once it is asked for
+  } work_;                    ///< each once it is asked for
 };
 
 } // namespace impact
