@@ -337,6 +337,17 @@ void ContactInterface::ease(Vec goal) {
   use_method();
 }
 
+void ContactInterface::keep_multipliers() {
+  before_solve_ = {};
+  if (method().closes_gaps()) before_solve_ = {rows_.multiplier->trial, friction_.given()};
+}
+
+void ContactInterface::swap_multipliers() {
+  if (before_solve_[0].empty()) return;
+  rows_.multiplier->trial.swap(before_solve_[0]);
+  friction_.given().swap(before_solve_[1]);
+}
+
 void ContactInterface::fall_back() {
   fallen_back_ = fallen_back_ || method().closes_gaps();
   use_method();

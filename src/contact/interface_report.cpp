@@ -154,11 +154,13 @@ std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
   return paths;
 }
 
-bool ContactInterface::rests_on_penalty() const {
+bool ContactInterface::bears() const {
   double largest = 0;
   for (const double force : force_->committed) largest = std::max(largest, std::abs(force));
-  return max_over_ranks(mesh_->comm(), largest) > 0 && !rows_.press_anywhere(mesh_->comm());
+  return max_over_ranks(mesh_->comm(), largest) > 0;
 }
+
+bool ContactInterface::rests_on_penalty() const { return bears() && !rows_.press_anywhere(mesh_->comm()); }
 
 double ContactInterface::held_by_multipliers(Vec u) const {
   double energy = 0;

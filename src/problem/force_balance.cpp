@@ -68,6 +68,7 @@ ForceBalance::ForceBalance(const Discretisation& d) : dim_(d.dim()), comm_(d.mes
   rounding_.resize(parts);
   largest_.resize(parts);
   last_.resize(parts);
+  least_rounding_.resize(parts);
 }
 
 void ForceBalance::forget() { std::fill(rounding_.begin(), rounding_.end(), 0.0); }
@@ -75,7 +76,8 @@ void ForceBalance::forget() { std::fill(rounding_.begin(), rounding_.end(), 0.0)
 void ForceBalance::start() {
   first_ = -1;
   std::fill(largest_.begin(), largest_.end(), 0.0);
-  std::fill(last_.begin(), last_.end(), HUGE_VAL);
+  for (std::vector<double>* least : {&last_, &least_rounding_})
+    std::fill(least->begin(), least->end(), HUGE_VAL);
 }
 
 void ForceBalance::note_tangent(Vec u, Vec cells, Vec all, bool weighs_gaps) {
@@ -116,13 +118,19 @@ void ForceBalance::judge(Vec f, double atol, double rtol) {
   // Constraints at no pressure come and go with the last digits. Where they leave one by one, because what a
   // small load lifts pulls at the last of them, the residual does not fall either: it is larger than that.
   const double allowed_part = other_set_ ? 0.02 : 1;
+  // What pressures that run away leave by turning with their facets, of a tangent that runs away, too, is no
+  // rounding. Contacts that close make that of a solve larger, by up to 1e7.
+  constexpr double most_growth = 1e8;
   force_ = std::max(atol, rtol * first_);
   ratio_ = 0;
   for (std::size_t p = 0; p < parts; ++p) {
     const double norm = std::sqrt(sums_[p]);
     largest_[p] = std::max(largest_[p], norm);
-    const double rounding = norm > 0.5 * last_[p] ? allowed_part * std::sqrt(sums_[parts + p]) : 0,
-                 settled = aim_ == Aim::settled && last_[p] < HUGE_VAL ? 0.01 * last_[p] : 0;
+    const double of_tangent = std::sqrt(sums_[parts + p]);
+    if (of_tangent > 0) least_rounding_[p] = std::min(least_rounding_[p], of_tangent);
+    const double rounding =
+        norm > 0.5 * last_[p] ? allowed_part * std::min(of_tangent, most_growth * least_rounding_[p]) : 0;
+    const double settled = aim_ == Aim::settled && last_[p] < HUGE_VAL ? 0.01 * last_[p] : 0;
     last_[p] = norm;
     const double allowed = std::max({atol, rtol * std::min(largest_[p], first_), rounding, settled});
     // A part without residual is balanced whatever its tolerance; one with a residual that is no number

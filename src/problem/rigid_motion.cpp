@@ -299,10 +299,10 @@ std::vector<std::string> require_held_bodies(const Discretisation& d, const Boun
                           "; no contact sees anything near it: prescribe displacements on it "
                           "(-bcs, -bc_<id>_on, -bc_<id>_type), bring what shall hold it within "
                           "-contact_<id>_search_radius, or keep the inertia (-ts_type newmark)");
-    warnings.push_back(
-        who + " is held by contact alone against " + motions +
-        "; where that does not hold it, the first step fails: prescribe displacements on it then, or "
-        "keep the inertia (-ts_type newmark)");
+    warnings.push_back(who + " is held by contact alone against " + motions +
+                       "; where that does not hold it, a step fails, or any place of it will do: prescribe "
+                       "displacements on it then, or "
+                       "keep the inertia (-ts_type newmark)");
   }
   return warnings;
 }

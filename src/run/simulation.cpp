@@ -324,7 +324,7 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
         comm_, "%s",
         tell_of_instability(stage_.motion, stage_.u, path != nullptr, path && path->falls()).c_str()));
   if (const long ways = stage_.coupling.motion_solver().counts().second_ways; ways > 0)
-    check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", ways));
+    check(PetscPrintf(comm_, "  motion solves repeated another way        %ld\n", ways));
   if (const double part = stage_.damage ? stage_.damage->held_back() : 0; part > 1e-3)
     check(PetscPrintf(comm_, "  part of the growth of damage that is held back (-damage_substeps)  %.2g\n",
                       part));

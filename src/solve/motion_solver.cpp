@@ -155,6 +155,12 @@ Handle<Vec> MotionSolver::imposed(Vec u) {
   return goal;
 }
 
+PetscReal MotionSolver::atol() const {
+  PetscReal atol = 0;
+  check(SNESGetTolerances(snes_, &atol, nullptr, nullptr, nullptr, nullptr));
+  return atol;
+}
+
 PetscReal MotionSolver::left_at(Vec u) {
   check(SNESComputeFunction(snes_, imposed(u), residual_));
   const PetscReal norm = Get(VecNorm)(residual_, NORM_2);
@@ -200,8 +206,6 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   motion_.contacts().start_newton(u);
   const Handle<Vec> r = layout.make_global(), other = layout.make_global(), step = layout.make_global(),
                     start = layout.make_global();
-  PetscReal atol = 0;
-  check(SNESGetTolerances(snes_, &atol, nullptr, nullptr, nullptr, nullptr));
   hooks_.conduct.iterate = u;
   tangents_ = 0;
   check(VecCopy(u, start));
@@ -209,7 +213,7 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   if (ahead != nullptr) add_jump(u, ahead, part, r);
   motion_.balance().start();
   motion_.balance().aim(Aim::balance);
-  motion_.balance().judge(r, atol, rtol_);
+  motion_.balance().judge(r, atol(), rtol_);
   if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
   const PetscReal norm = Get(VecNorm)(r, NORM_2);
   check(SNESSetSolution(snes_, u));   // monitors look at it
@@ -273,15 +277,19 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
   set_tolerances(snes_, std::max(rtol_, rough), most);
   hooks_.conduct.aim = aim;
   check(VecCopy(u, start_));
+  motion_.contacts().keep_multipliers();
   iterations_ = hooks_.conduct.goes_on ? 1 : 0;
   const bool contact = !motion_.contacts().empty(), other_way = has_second_way();
   SNESConvergedReason reason = SNES_DIVERGED_MAX_IT;
-  if (!second_way_first_) {
+  // As long as another way is left what goes in circles ends.
+  const auto watched = [&](const auto& way) {
     hooks_.conduct.watched = contact && other_way;
     hooks_.conduct.follows_sliding = true;
-    reason = first_way(u, most);
+    const SNESConvergedReason ended = way();
     hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
-  }
+    return ended;
+  };
+  if (!second_way_first_) reason = watched([&] { return first_way(u, most); });
   // Full steps after sets of gaps that change may leave where cells are sound.
   const bool lost =
       reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN ||
@@ -290,9 +298,11 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     // With contact both ways together take no more than one may; what has nothing left for the second one
     // begins the next try of the step with it. Where cuts do not help it has some in each.
     const PetscInt least = motion_.step().dt < 0.2 * settings_.dt ? most / 3 : 0;
-    if (const PetscInt rest = contact ? std::max(most - iterations_, least) : most; rest > 0) {
+    const auto rest = [&] { return contact ? std::max(most - iterations_, least) : most; };
+    if (rest() > 0) {
       counts_.second_ways += second_way_first_ ? 0 : 1;
-      reason = backtrack(u, rest);
+      if (fall_back(u)) reason = watched([&] { return newton(u, rest()); });
+      if (reason < 0 && rest() > 0) reason = backtrack(u, rest());
     }
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }
@@ -320,15 +330,14 @@ bool MotionSolver::has_second_way() const {
 }
 
 // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
-// states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle. An
-// active set that does not come to rest: multipliers outside Newton's method do not change it. Where friction
-// alone holds bodies the norm has minima that are no solutions, and the way goes down the slope.
+// states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle.
+// Where friction alone holds bodies the norm has minima that are no solutions, and the way goes down the
+// slope.
 SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   const std::string first = line_search_of(snes_);
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
   const ContactDemands demands = motion_.contacts().demands();
   const bool down_the_slope = !loose_.empty() && demands.frictional && !demands.closes_gaps;
-  for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
   begin_again(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, down_the_slope ? slope_search_type : SNESLINESEARCHBT));

@@ -81,7 +81,7 @@ def cores(ranks):
 def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False):
     """Runs the program in the folder `name` with option files and then `options` (dict without the leading dashes, or
     list of words). Any other exit status than `code` (None: any) ends the script. `refused`: tries of steps that may be
-    refused because Newton's method failed, and solves repeated with backtracking, in a run that ends well: a number, or None for any. `takes_back`: the law
+    refused because Newton's method failed, and solves repeated another way, in a run that ends well: a number, or None for any. `takes_back`: the law
     lets a crack take back plastic work that had become heat (theory.md, 11), so that the dissipation at a point may be negative."""
     words = []
     for file in files:
@@ -114,7 +114,7 @@ def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False):
 def _count_refused(finished, most):
     """A run that silently starts to need more tries has lost something, though its figures may hold. Steps in which damage grew by
     more than -ts_adapt_dphi, or a contact closed by more than -ts_adapt_closing, are cut by their option."""
-    repeated = re.search(r"^ *motion solves repeated with backtracking +(\d+)", finished.log, re.M)
+    repeated = re.search(r"^ *motion solves repeated another way +(\d+)", finished.log, re.M)
     cut = [line for line in finished.log.splitlines() if line.endswith("time step cut") and not re.search("-ts_adapt_(dphi|closing)", line)]
     count = len(cut) + (int(repeated.group(1)) if repeated else 0)
     _refused[finished.dir] = count

@@ -27,6 +27,19 @@ public:
   void start_newton(Vec u) {
     for (ContactInterface& contact : *this) contact.start_newton(u);
   }
+  void keep_multipliers() {
+    for (ContactInterface& contact : *this) contact.keep_multipliers();
+  }
+  void swap_multipliers() {
+    for (ContactInterface& contact : *this) contact.swap_multipliers();
+  }
+  /// Where an active set does not come to rest: multipliers outside Newton's method do not change it. Whether
+  /// some methods have given way.
+  bool fall_back() {
+    const bool closed = demands().closes_gaps;
+    for (ContactInterface& contact : *this) contact.fall_back();
+    return closed && !demands().closes_gaps;
+  }
   SetChange after_newton_step(Vec u, Vec du, Vec next, bool follow);
   GapsLeft gaps_left(Vec u, double force) const;
   void meet(bool loose, bool first_touch) {

@@ -158,7 +158,9 @@ public:
   /// Collective.
   void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
 
-  /// Whether the penalty alone, without multipliers, made forces at the end of the last step. Collective.
+  /// Whether there were forces at the end of the last step; and whether the penalty alone made them, without
+  /// multipliers. Collective.
+  bool bears() const;
   bool rests_on_penalty() const;
   /// Energy that the contact gives where multipliers that stay let go: their pressure ends at an opening by
   /// it over the penalty. Collective.
@@ -229,6 +231,10 @@ public:
   /// Where nothing presses yet and `goal`, the start of a step with its supports where they end, lies deep,
   /// the step begins with soft springs.
   void ease(Vec goal);
+  /// A solve begins; then the multipliers that it began with and those of its iterates change places, of a
+  /// method that makes some of iterates.
+  void keep_multipliers();
+  void swap_multipliers();
   /// For the rest of the attempt an augmented Lagrangian takes the place of a method that closes gaps, whose
   /// active set did not come to rest.
   void fall_back();
@@ -356,6 +362,7 @@ private:
   };
   std::map<std::string, LiveSide> live_;                 // by boundary; empty as long as no cell has left
   std::array<std::vector<double>, 2> before_projection_; // multipliers, penalty
+  std::array<std::vector<double>, 2> before_solve_;      // multipliers, tractions
   ForceShare share_;
   std::optional<ContactSums> end_; // of the step that ended, until it is accepted or another one begins
   Vector shock_{};                 // on the secondary side: impulse of the projection over dt

@@ -53,6 +53,7 @@ private:
   std::vector<int> part_of_node_;       // of owned nodes, in the order of the vectors
   std::vector<double> sums_, rounding_; // squares of each part: of the residual and of its rounding
   std::vector<double> largest_, last_;  // residuals of each part in this solve
+  std::vector<double> least_rounding_;  // of each part by the tangents of this solve
   Aim aim_ = Aim::balance;
   bool other_set_ = false;
   double first_ = -1, force_ = 0, ratio_ = 0; // first_ < 0: no residual yet

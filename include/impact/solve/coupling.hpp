@@ -52,6 +52,7 @@ public:
   void before_attempt(const Attempt& attempt);
   void predict(const Attempt& attempt, Vec u_tilde, Vec v);
   void guess(const Attempt& attempt, Vec u);
+  bool is_adrift(double t);
   bool corrects() const { return explicit_ ? !explicit_->bodies().empty() : update_.corrects(); }
   void correct(Vec u, Vec v, Vec a);
   void reject() { fields_.state.rollback(); }
@@ -113,6 +114,7 @@ private:
   Fields fields_;
   CouplingScenario settings_;
   StateRow& last_step_; // how long it was; 0: there was none
+  bool let_go_ = true;  // until something holds them, nothing lets go of loose bodies
   MotionSolver solver_;
   Augmentation augmentation_;
   StabilisedUpdate update_;

@@ -11,8 +11,8 @@
 ///   R(u, a(u)) = 0,   K du = -R,   K = dR/du + mass_shift M        (105), (106)
 /// with a(u) from the integrator of the TS. Where an iterative linear solver of ours fails, factors take its
 /// place from that step on (row `motion_factors`). It takes the first iteration of a step at its guess, keeps
-/// a factorised tangent while that serves, and tries once more with backtracking where iterates go in circles
-/// (theory.md, 7).
+/// a factorised tangent while that serves, and where iterates go in circles tries once more with
+/// augmentations in the place of semismooth multipliers, and with backtracking (theory.md, 7).
 namespace impact {
 
 // Members beyond twelve: collaborators, vectors, and what is counted of a solve and of an attempt. More
@@ -36,13 +36,13 @@ public:
   /// The norm of the forces that are left at u with the prescribed values; infinite where a cell has no
   /// volume. Collective.
   PetscReal left_at(Vec u);
+  PetscReal atol() const; ///< -motion_snes_atol, or its default
   /// Takes u, the guess of a step, to `goal`, its prescribed values; where worth while by an iteration. Along
   /// a path that ArcLength finds instead, and false where none leads on. Collective.
   bool enter_step(Vec u, Vec goal);
   /// Lets loose bodies that face nothing yet stride towards what the search sees. Collective.
   void approach(Vec u);
-  /// Solves from u in at most so many iterations and, if a second way is worth it, with backtracking.
-  /// Collective.
+  /// Solves from u in at most so many iterations and, if a second way is worth it, another way. Collective.
   SNESConvergedReason solve(Vec u, Aim aim, PetscInt most_iterations, bool second_way = true);
   /// Back to where the last solve started. Collective.
   void restart(Vec u);
@@ -83,6 +83,7 @@ private:
   void add_jump(Vec u, Vec ahead, double part, Vec r);
   bool linear_step(Vec u, Vec r, Vec step);
   SNESConvergedReason newton(Vec u, PetscInt most);
+  bool fall_back(Vec u);
   SNESConvergedReason backtrack(Vec u, PetscInt most);
   bool has_second_way() const;
   bool balanced(Vec u);
