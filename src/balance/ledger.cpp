@@ -44,7 +44,7 @@ void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a,
   measure(u, v, false);
   for (const ContactStep& contact : motion_.contacts().step(u)) sum(contact_store) += contact.energy;
   for (const ContactInterface& contact : motion_.contacts())
-    if (!inertia_ && contact.reach(u).gap < 0) springs_apart_ = true;
+    if (!inertia_ && contact.reach(u).gap < -1e-9 * contact.settings().search_radius) springs_apart_ = true;
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));

@@ -3,9 +3,13 @@
 // The ledger as columns of the history, and as the sheet at the end of the log.
 namespace impact {
 
+// Contacts of before a restart may be gone: what they took and lost remains.
+bool Ledger::has_contact() const { return !motion_.contacts().empty() || sum(contact_work) != 0; }
+bool Ledger::has_friction() const { return motion_.contacts().demands().frictional || sum(friction) != 0; }
+
 void Ledger::append(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
-  const bool contact = !motion_.contacts().empty(), heat = d.has_heat();
+  const bool contact = has_contact(), heat = d.has_heat();
   const bool damped = motion_.foundations().damps() || of_foundations(FoundationSum::loss) != 0;
   const MaterialEnergies& total = energies_.total;
   struct Column {
@@ -23,7 +27,7 @@ void Ledger::append(HistoryFile::Row& row) const {
       {"dissipated_viscous", loses_by_viscosity(), sum(viscous)},
       {"dissipated_damage", d.has_damage(), sum(damage)},
       {"dissipated_plastic", d.has_plasticity(), sum(plastic_dissipation)},
-      {"dissipated_friction", motion_.contacts().demands().frictional, sum(friction)},
+      {"dissipated_friction", has_friction(), sum(friction)},
       {"dissipated_fatigue", d.has_fatigue(), sum(fatigue_loss)},
       {"energy_contact", contact, sum(contact_store)},
       {"energy_foundation", !motion_.foundations().empty(), of_foundations(FoundationSum::store)},
@@ -97,7 +101,7 @@ struct Ledger::Line {
 
 std::vector<Ledger::Line> Ledger::sheet() const {
   const Discretisation& d = motion_.discretisation();
-  const bool contact = !motion_.contacts().empty();
+  const bool contact = has_contact();
   const std::string became = heat_ ? " (heat)" : "";
   const auto stored = [&](const char* name, bool there, double MaterialEnergies::*member) -> Line {
     return {name, there, energies_.total.*member,
@@ -123,7 +127,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           lost("dissipated: damage", d.has_damage(), damage, damage_loss),
           lost("dissipated: plastic", d.has_plasticity(), plastic_dissipation, plastic_loss),
           lost("dissipated: fatigue", d.has_fatigue(), fatigue_loss, fatigue_part),
-          {"dissipated: friction", motion_.contacts().demands().frictional, sum(friction)},
+          {"dissipated: friction", has_friction(), sum(friction)},
           {"dissipated: contact", contact && inertia_, sum(contact_loss)},
           {"dissipated: closing cracks" + (state_.find("stress") ? became : ""), choice_.unilateral,
            sum(closing)},

@@ -181,9 +181,9 @@ OptionKind<double> number_kind(const std::string& unit, const AllowedNumbers& al
           [=](double value) { return number_or_word(value, words); }};
 }
 
-OptionKind<int> count_kind(int low, int high) {
+OptionKind<int> count_kind(int low, int high, int fallback) {
   const auto read = [=](const GivenOption& option, const OptionContext&) {
-    return read_count(option, low, high);
+    return fallback < low && option.text == "none" ? fallback : read_count(option, low, high);
   };
   return {"whole number" + bounds_text(low, high, ", "), {}, read, [=](int value) {
             return value < low ? "" : std::to_string(value);

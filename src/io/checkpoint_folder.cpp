@@ -71,7 +71,9 @@ Entries entries_of(const std::string& manifest) {
 std::string fault_of(const std::string& file, std::string& manifest) {
   try {
     if (!fs::exists(file)) return "there is no such file";
-    if (!fs::exists(manifest_of(file))) return "it has no manifest, so it was not finished";
+    if (!fs::exists(manifest_of(file)))
+      return "it has no manifest beside it (" + manifest_of(file).filename().string() +
+             "), so it was not finished, or copied without";
     manifest = read_file(manifest_of(file).string());
     const std::size_t own = manifest.rfind("manifest ");
     if (manifest.starts_with("impact checkpoint ") && !manifest.starts_with(std::string(format) + "\n"))

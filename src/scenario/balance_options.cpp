@@ -48,8 +48,10 @@ void add_restart(std::vector<OptionRow<Scenario>>& rows) {
           },
           "leaves nothing of the wall time; allowed: less than -walltime, {walltime}")
       .idle([](const Scenario& s) { return s.checkpoint.walltime == 0; }, "-walltime is not given");
-  row.text("restart", &Checkpoint::restart, "auto, none, path of a checkpoint",
-           "go on from the newest checkpoint if there is one, from the start, or from a file");
+  row.text(
+      "restart", &Checkpoint::restart, "auto, none, path of a checkpoint",
+      "go on from the newest checkpoint if there is one, from the start, or from a file, which needs its "
+      ".manifest beside it");
   row.list("restart_allow", &Checkpoint::restart_allow,
            "options, or their beginnings such as bc_push, that may differ from the checkpoint's; ts_type "
            "with all that belongs to a scheme, such as ts_newmark_rho");

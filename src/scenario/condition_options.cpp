@@ -198,7 +198,9 @@ OptionClass<InitialCondition> initial_class() {
       .barred(
           [](const Ic&, const Scenario& s) { return s.solves("damage") && !s.has_damage(); },
           ": damages nothing, for no material has damage; give -material_{material}_damage, or remove it");
-  row.expression("theta", &Ic::theta, "K theta", positive, "initial temperature")
+  row.expression("theta", &Ic::theta, "K theta", positive,
+                 "initial temperature; other than _theta0 of the material it stresses what is held, and the "
+                 "first static step brings balance")
       .otherwise("_theta0 of the material");
   return table;
 }

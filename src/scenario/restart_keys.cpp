@@ -1,6 +1,7 @@
 #include "classes.hpp"
 #include <algorithm>
 #include <filesystem>
+#include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <set>
 #include <sstream>
@@ -73,18 +74,33 @@ bool begins_with_inertia(const Changes& changes) {
   return type != changes.end() && type->second.before == "static" && type->second.now != "static";
 }
 
+/// A script may begin the same run again: what it allowed then need not have changed since.
 void check_entries(const std::vector<std::string>& allow, const Changes& changes) {
+  const std::vector<std::string> typed = option_names();
   std::vector<std::string> names;
   for (const auto& [key, change] : changes) names.push_back(key);
   for (const std::string& entry : allow) {
-    const bool fits = std::ranges::any_of(
-        names, [&](const std::string& name) { return covers(bare(entry), lower_case(name)); });
-    if (fits) continue;
+    const auto fits = [&](const std::string& name) { return covers(bare(entry), lower_case(name)); };
+    if (std::ranges::any_of(names, fits) || std::ranges::any_of(typed, fits)) continue;
     const std::string near = nearest_name(bare(entry), names, 3);
     throw UserError(ExitCode::usage, "-restart_allow \"" + entry +
                                          "\": no option of this run or of its checkpoint" +
                                          (near.empty() ? "" : "; did you mean " + near + "?") +
                                          "; allowed: " + allowed_entries(names) + " and names that begin so");
+  }
+}
+
+/// One note for a contact, a condition or a material that is gone altogether.
+void note_left_out(const std::vector<std::string>& keys, const Changes& changes,
+                   std::vector<std::string>& notes) {
+  for (const std::string& entry : entries_of(keys)) {
+    std::vector<std::string> own;
+    std::ranges::copy_if(keys, std::back_inserter(own),
+                         [&](const std::string& key) { return covers(entry, key); });
+    const bool stays = std::ranges::any_of(
+        changes, [&](const auto& change) { return covers(entry, change.first) && change.second.now; });
+    if (own.size() > 1 && !stays) own = {entry + "_.., " + std::to_string(own.size()) + " options of before"};
+    for (const std::string& key : own) notes.push_back("restart without -" + key);
   }
 }
 
@@ -107,7 +123,7 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
   collect(stored, &Change::before, changes);
   collect(now, &Change::now, changes);
   check_entries(allow, changes);
-  std::vector<std::string> notes, refused, names, come_or_gone;
+  std::vector<std::string> notes, refused, names, come_or_gone, left_out;
   for (const auto& [key, change] : changes) {
     const RestartKey kind = restart_key(key);
     if (kind == RestartKey::free || !is_changed(key, change)) continue;
@@ -123,6 +139,10 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
                  (bare(entry) == "ts_type" && name.starts_with("ts_"));
         })) {
       const bool idle = (key == "ics" || key.starts_with("ic_")) && !begins_with_inertia(changes);
+      if (!change.now && !idle) {
+        left_out.push_back(key);
+        continue;
+      }
       notes.push_back("restart with a changed option: -" + key + " " + said +
                       (idle ? ": without effect, for the state is that of the checkpoint" : ""));
     } else {
@@ -130,6 +150,7 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
       (change.before && change.now ? names : come_or_gone).push_back(key);
     }
   }
+  note_left_out(left_out, changes, notes);
   std::ranges::copy(entries_of(come_or_gone), std::back_inserter(names));
   if (!refused.empty())
     throw UserError(ExitCode::usage, join(refused, "; ") + " in checkpoint " + checkpoint +

@@ -124,7 +124,7 @@ public:
   }
   Row& count(const std::string& name, auto place, int low, const std::string& about,
              int high = std::numeric_limits<int>::max()) {
-    return add(name, place, count_kind(low, high), about);
+    return add(name, place, count_kind(low, high, at(place)(std::as_const(example_))), about);
   }
   Row& flag(const std::string& name, auto place, const std::string& about) {
     return add(name, place, flag_kind(), about);

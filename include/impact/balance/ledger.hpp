@@ -146,6 +146,8 @@ private:
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
   std::vector<Line> sheet() const;
+  bool has_contact() const;
+  bool has_friction() const;
 
   MotionProblem& motion_;
   StateTable& state_;

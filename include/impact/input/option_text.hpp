@@ -47,8 +47,8 @@ template <class Value> struct OptionKind {
 /// `fallback`: when it is not allowed and no word stands for it, it is the number of an option that is not
 /// given.
 OptionKind<double> number_kind(const std::string& unit, const AllowedNumbers& allowed, double fallback);
-/// A whole number; one below `low` is an option that is not given.
-OptionKind<int> count_kind(int low, int high);
+/// A whole number; one below `low` is an option that is not given, which `none` takes back to that.
+OptionKind<int> count_kind(int low, int high, int fallback);
 OptionKind<bool> flag_kind();
 OptionKind<std::string> text_kind(const std::string& allowed);
 /// An existing file, resolved (find_input_file).
