@@ -281,15 +281,11 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
   iterations_ = hooks_.conduct.goes_on ? 1 : 0;
   const bool contact = !motion_.contacts().empty(), other_way = has_second_way();
   SNESConvergedReason reason = SNES_DIVERGED_MAX_IT;
-  // As long as another way is left what goes in circles ends.
-  const auto watched = [&](const auto& way) {
-    hooks_.conduct.watched = contact && other_way;
-    hooks_.conduct.follows_sliding = true;
-    const SNESConvergedReason ended = way();
-    hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
-    return ended;
-  };
-  if (!second_way_first_) reason = watched([&] { return first_way(u, most); });
+  if (!second_way_first_) {
+    watch(true); // as long as another way is left what goes in circles ends
+    reason = first_way(u, most);
+    watch(false);
+  }
   // Full steps after sets of gaps that change may leave where cells are sound.
   const bool lost =
       reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN ||
@@ -298,11 +294,9 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     // With contact both ways together take no more than one may; what has nothing left for the second one
     // begins the next try of the step with it. Where cuts do not help it has some in each.
     const PetscInt least = motion_.step().dt < 0.2 * settings_.dt ? most / 3 : 0;
-    const auto rest = [&] { return contact ? std::max(most - iterations_, least) : most; };
-    if (rest() > 0) {
+    if (const PetscInt rest = contact ? std::max(most - iterations_, least) : most; rest > 0) {
       counts_.second_ways += second_way_first_ ? 0 : 1;
-      if (fall_back(u)) reason = watched([&] { return newton(u, rest()); });
-      if (reason < 0 && rest() > 0) reason = backtrack(u, rest());
+      reason = other_ways(u, rest);
     }
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }

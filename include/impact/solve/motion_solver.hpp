@@ -83,7 +83,8 @@ private:
   void add_jump(Vec u, Vec ahead, double part, Vec r);
   bool linear_step(Vec u, Vec r, Vec step);
   SNESConvergedReason newton(Vec u, PetscInt most);
-  bool fall_back(Vec u);
+  void watch(bool on);
+  SNESConvergedReason other_ways(Vec u, PetscInt most);
   SNESConvergedReason backtrack(Vec u, PetscInt most);
   bool has_second_way() const;
   bool balanced(Vec u);
